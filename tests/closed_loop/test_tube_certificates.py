@@ -55,24 +55,24 @@ def test_a_certificate_is_what_was_written_and_proves_its_claim(certificate, tmp
 @precisely
 def sets_of(follower, box, count):
     """Return the sets of a box, sample by sample."""
-    sets = [follower._begin(box)]
+    sets = [follower._begin([box])]
     for k in range(count - 1):
         after, _ = follower._period(sets[-1], first=k == 0, port="")
-        sets.append(follower._fewer(after))
+        sets.append(follower.numbers.fewer(after, 14))
     return sets
 
 
 def is_within(forms, z):
     """Tell whether a point is in a set, by a linear program over its symbols."""
-    symbols = sorted({symbol for form in forms for symbol in form.weights})
-    weights = np.array([[float(form.weights.get(s, 0)) for s in symbols] for form in forms])
-    centre = np.array([float(form.centre) for form in forms])
+    symbols = max(len(form.weights) for form in forms)
+    weights = np.array([form.over(symbols)[:, 0] for form in forms])
+    centre = np.array([form.centre[0] for form in forms])
     scale = np.abs(weights).sum(axis=1) + 1e-12
     found = linprog(
-        np.zeros(len(symbols)),
+        np.zeros(symbols),
         A_ub=np.vstack([weights, -weights]) / np.tile(scale, 2)[:, None],
         b_ub=np.concatenate([z - centre, centre - z]) / np.tile(scale, 2) + 1e-6,
-        bounds=[(-1, 1)] * len(symbols),
+        bounds=[(-1, 1)] * symbols,
     )
     return found.status == 0
 
@@ -111,10 +111,10 @@ def test_sets_hold_runs_and_are_not_much_larger(servo):
     for k in (1, 10, 30, 59):
         for z in runs[:20, k]:
             assert is_within(sets[k], z), k
-        assert 2 * float(sets[k][0].reach) < 2.2 * np.ptp(runs[:, k, 0])
+        assert 2 * sets[k][0].reach[0] < 2.2 * np.ptp(runs[:, k, 0])
 
 
-BOX = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(1)))
+BOX = ((0.0, 1.0), (-1.0, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,8 @@ BOX = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(1)))
     ],
 )
 def test_boxes_that_are_all_of_a_box(boxes, expected):
-    assert covered(BOX, boxes) == expected
+    lows, highs = np.moveaxis(np.array(boxes, float).reshape(-1, 2, 2), 2, 0)
+    assert covered(BOX, lows, highs) == expected
 
 
 @pytest.mark.parametrize(
@@ -142,12 +143,12 @@ def test_boxes_that_are_all_of_a_box(boxes, expected):
             "not a box",
         ),
         (
-            lambda c: replace(c, tubes=tuple(t._replace(into=("tubes", (0,))) for t in c.tubes)),
+            lambda c: replace(c, tubes=tuple(t._replace(into=("tubes", 1)) for t in c.tubes)),
             "not known to arrive",
         ),
         (
-            lambda c: replace(c, tubes=tuple(t._replace(into=("regions", (0,))) for t in c.tubes)),
-            "index|range",
+            lambda c: replace(c, tubes=tuple(t._replace(into=("regions", 0)) for t in c.tubes)),
+            "no region 0",
         ),
         (lambda c: replace(c, claim=replace(c.claim, high=0.015)), "is not shown"),
         (lambda c: replace(c, claim=replace(c.claim, end=30.0)), "box 1"),
@@ -182,14 +183,15 @@ def test_a_map_is_proved_box_by_box_and_in_order(servo):
     region = fuzzyarm.prove(servo, "stable", plant="motor").certificate.region
     far = tuple((Fraction(a), Fraction(b)) for a, b in ((0.45, 0.47), (-0.1, 0.1), (-0.5, 0.5)))
     near = tuple((Fraction(a), Fraction(b)) for a, b in ((0.2, 0.25), (-0.5, 0.5), (-0.5, 0.5)))
-    tubes = (TubeProof(near, 400, ("regions", (0,))), TubeProof(far, 400, ("regions", (0,))))
+    tubes = (TubeProof(near, 400, ("regions", 0)), TubeProof(far, 400, ("regions", 0)))
     plain = fuzzyarm.prove(servo, "stable", plant="motor").certificate
-    whole = replace(plain, regions=(region,), tubes=tubes)
+    window = tuple((name, -1.0, 1.0) for name in ("position", "velocity", "current"))
+    whole = replace(plain, regions=(region,), tubes=tubes, window=window)
     checked = check.check_certificate(whole, servo)
     assert checked.proved, checked.reason
     assert "2 boxes" in checked.statement
     assert [words.split(":")[0] for words in checked.words if "theorem" in words] == ["theorem"] * 3
-    circle = replace(whole, tubes=(tubes[0]._replace(into=("tubes", (1,))), tubes[1]))
+    circle = replace(whole, tubes=(tubes[0]._replace(into=("tubes", 1)), tubes[1]))
     assert not check.check_certificate(circle, servo).proved
 
 

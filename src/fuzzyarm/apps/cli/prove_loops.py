@@ -47,15 +47,23 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
     """Map the starts of a loop, with a drawing that fills."""
     from fuzzyarm.proof.loop.orders import map_of
 
-    if request.certificate is not None:
-        raise UsageError("--certificate goes with a claim about a loop", hint="--claim, --stable")
+    out = request.certificate
     with _filling(request) as watch:
-        found = map_of(request, controller, watch)
+        found = map_of(request, controller, watch, certify=out is not None)
     if request.json:
         print_json(found, 2)
     else:
         count = f"{len(found.boxes):,} box{'es' * (len(found.boxes) != 1)}"
         say(*f"{path}: {found}\n  {count}, {found.seconds:.1f} s".splitlines())
+    if out is not None:
+        from fuzzyarm.proof.check.certificate import write_certificate
+
+        if found.certificate is None or not found.certificate.tubes:
+            say(f"{out}: not written: nothing of the window is proved", to_errors=True)
+        else:
+            write_certificate(found.certificate, out)
+            if not request.json:
+                say(f"{out}: the certificate, {found.certificate.seal[:16]}")
     if request.plot is not None:
         from fuzzyarm.apps.show.figures.panels import chart_figure
         from fuzzyarm.apps.show.start_map import map_chart

@@ -132,14 +132,15 @@ class TubeProof(NamedTuple):
         Of each state of the plant; what the loop remembers is as it begins.
     periods : int
         For how many control periods at most.
-    into : tuple of (str, tuple of int)
-        Where it arrives: in one of some ``regions``, or in the union of the boxes of some earlier
-        ``tubes``; ``("", ())`` where it is of a bounded time.
+    into : (str, int)
+        Where it arrives: in the region of a number (``regions``), or after just so many periods in
+        the union of the boxes of all ``tubes`` below a number; ``("", 0)`` where it is of a bounded
+        time.
     """
 
     box: tuple[Pair, ...]
     periods: int
-    into: tuple[Literal["regions", "tubes", ""], tuple[int, ...]] = ("", ())
+    into: tuple[Literal["regions", "tubes", ""], int] = ("", 0)
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,8 @@ class Certificate:
         From names of the controller to ports of the plant, where they differ.
     digests : dict of str to str
         SHA-256 of the controller and of the plant that were proved, as they were in memory.
+    window : tuple of (str, float, float)
+        Of a map: the starts of which the boxes of its tubes are a part, by state.
     """
 
     claim: LoopClaim
@@ -174,6 +177,7 @@ class Certificate:
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     connect: Mapping[str, str] = field(default_factory=dict)
     digests: Mapping[str, str] = field(default_factory=dict)
+    window: tuple[Stretch, ...] = ()
 
     @property
     def region(self) -> RegionProof:
@@ -202,12 +206,13 @@ class Certificate:
             "controller": self.controller,
             "sha256": dict(self.fingerprints),
             "proved": dict(self.digests),
+            "window": [[name, _text(low), _text(high)] for name, low, high in self.window],
             "regions": list(map(_region_data, self.regions)),
             "tubes": [
                 {
                     "box": list(map(_texts, tube.box)),
                     "periods": tube.periods,
-                    "into": [tube.into[0], list(tube.into[1])],
+                    "into": list(tube.into),
                 }
                 for tube in self.tubes
             ],
@@ -441,6 +446,7 @@ def read_certificate(path: str) -> Certificate:
         {port: _sensor(pair) for port, pair in data["sensors"].items()},
         _texts_of(data["connect"]),
         _texts_of(data["proved"]),
+        _stretches(data["window"]),
     )
 
 
@@ -550,12 +556,12 @@ def _region(data: Field) -> RegionProof:
 
 
 def _tube(data: Field) -> TubeProof:
-    kind, indices = data["into"].row(2)
+    kind, number = data["into"].row(2)
     into = cast(Literal["regions", "tubes", ""], kind.one_of(("regions", "tubes", "")))
     return TubeProof(
         tuple(pair.pair for pair in data["box"]),
         data["periods"].index,
-        (into, tuple(index.index for index in indices)),
+        (into, number.index),
     )
 
 

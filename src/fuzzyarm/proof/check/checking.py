@@ -6,8 +6,12 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
@@ -15,19 +19,21 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import trusted_plant
 from fuzzyarm.plant.plant import Plant, parameter
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     CertificateError,
+    Pair,
     TubeProof,
     fingerprints_of,
     read_certificate,
 )
-from fuzzyarm.proof.check.numbers import Number, exact, float_above, float_below
+from fuzzyarm.proof.check.numbers import exact, float_above, float_below
 from fuzzyarm.proof.check.region import accepted, outside, region_facts, verified
 from fuzzyarm.proof.check.rules import RuleSurfaces
-from fuzzyarm.proof.check.tube import Arrival, Follower, Haven, covered
+from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task, covered
 from fuzzyarm.proof.claim.identity import gain_words, loop_digests
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, loop_sentence, problem_of
@@ -40,12 +46,16 @@ __all__ = [
     "Checked",
     "check_certificate",
     "check_of",
-    "follow_box",
+    "ends_of_boxes",
+    "follow_tubes",
     "proof_words",
     "region_lines",
 ]
 
 PROVED, UNDECIDED = "proved", "undecided"
+
+MOST_CELLS = 1 << 26
+"""Cells into which the sides of all boxes of a map cut its window."""
 
 OF_REGIONS = (
     "V = z'Pz falls in each control period for all gains between the proved ones (Lyapunov,"
@@ -91,6 +101,8 @@ class Checked(Shown):
         What was taken as an unknown gain.
     boxes : int
         How many boxes of starts were followed.
+    coverage : float
+        Of a map: which share of its window these are, rounded down.
     seconds : float
         How long it took.
     """
@@ -108,6 +120,7 @@ class Checked(Shown):
     continuous: bool = False
     uncertain: tuple[str, ...] = ()
     boxes: int = 0
+    coverage: float = 0.0
     seconds: float = field(default=0.0, compare=False)
 
     @property
@@ -218,11 +231,12 @@ def check_certificate(
     except FuzzyarmError as error:
         reason = f"the certificate does not prove it: {error}"
         return replace(checked, reason=reason, seconds=time.monotonic() - begun)
-    if proof.is_map:
-        statement += f"; from all starts in {_boxes_words(problem, certificate.tubes)}"
+    if certificate.window:
+        statement += f"; {coverage_words(certificate, proof.coverage)}"
     return replace(
         checked, statement=statement, files=certificate.fingerprints, loop=proof.loop,
-        theorems=proof.theorems, boxes=len(certificate.tubes), seconds=time.monotonic() - begun,
+        theorems=proof.theorems, boxes=len(certificate.tubes), coverage=proof.coverage,
+        seconds=time.monotonic() - begun,
         **proof.facts,
     )  # fmt: skip
 
@@ -263,7 +277,9 @@ class _Proof:
         self.surfaces = RuleSurfaces()
         regions, tubes = certificate.regions, certificate.tubes
         self.facts: dict[str, Any] = {}
-        self.is_map = bool(tubes) and not (self.claim.start or self.claim.output)
+        self.coverage = _coverage(problem, certificate) if certificate.window else 0.0
+        if tubes and not (self.claim.start or self.claim.output or certificate.window):
+            raise LoopProofError("it has tubes, and claims nothing of starts")
         if not tubes:
             if len(regions) != 1:
                 raise LoopProofError("it has no region, or several and no tube")
@@ -281,49 +297,72 @@ class _Proof:
         self.theorems = (
             *((OF_REGIONS,) if regions else ()),
             *((OF_TUBES,) if tubes else ()),
-            *((OF_MAPS,) if self.is_map else ()),
+            *((OF_MAPS,) if certificate.window else ()),
         )
 
     def _follow(self, havens: Sequence[Haven], tubes: Sequence[TubeProof]) -> None:
         """Follow all boxes; a claim of starts needs all of them in the boxes."""
         problem, claim = self.problem, self.claim
-        follower = Follower(problem, havens, self.surfaces)
-        for number in range(len(tubes)):
-            try:
-                follow_box(follower, claim, tubes, number)
-            except (LoopProofError, IndexError, ValueError, ZeroDivisionError) as error:
-                raise LoopProofError(f"box {number + 1}: {error}") from error
+        found = follow_tubes(Follower(problem, havens, self.surfaces), claim, tubes)
+        for number, followed in enumerate(found, 1):
+            if followed.against:
+                raise LoopProofError(f"box {number}: {followed.against}")
         if claim.start or claim.output:
-            start = [(exact(span.low), exact(span.high)) for span in problem.start.values()]
-            boxes = [[(exact(a), exact(b)) for a, b in tube.box] for tube in tubes]
-            if not covered(start, boxes):
+            start = [(x.low, x.high) for x in problem.start.values()]
+            if not covered(start, *ends_of_boxes([tube.box for tube in tubes])):
                 raise LoopProofError("its boxes are not all of the starts")
 
 
-def follow_box(
-    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof], number: int
-) -> Arrival:
-    """Follow the box of a tube to where it arrives; LoopProofError where that is not shown."""
-    box, periods, (kind, indices) = tubes[number]
-    if kind == "tubes":
-        if claim.output or any(index >= number for index in indices):
-            raise LoopProofError("it leads into boxes that are not known to arrive")
-        return follower.arrival(box, periods, into=(), boxes=[tubes[k].box for k in indices])
-    if kind == "regions":
-        if len(indices) != 1:
-            raise LoopProofError("it does not lead into one region")
-        haven = follower.havens[indices[0]]
-
-        def holds_from(period: int, level: Number) -> bool:
-            return not claim.output or not outside(
-                follower.problem, haven.loop, claim, haven.proof, level, period
+def follow_tubes(
+    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]
+) -> list[Followed]:
+    """Follow the boxes of tubes to where each arrives; LoopProofError where one does not say so."""
+    ways: dict[tuple[str, int], list[int]] = {}
+    for number, tube in enumerate(tubes):
+        kind, index = tube.into
+        if kind == "tubes" and (claim.output or index > number):
+            raise LoopProofError(
+                f"box {number + 1}: it leads into boxes that are not known to arrive"
             )
+        if kind == "regions" and index >= len(follower.havens):
+            raise LoopProofError(f"box {number + 1}: there is no region {index}")
+        ways.setdefault((kind, 0 if kind == "tubes" else index), []).append(number)
+    found = [Followed(0)] * len(tubes)
+    for (way, index), numbers in ways.items():
+        boxes, periods = [tubes[k].box for k in numbers], [tubes[k].periods for k in numbers]
+        counts = None
+        if way == "tubes":
+            task = Task(boxes=ends_of_boxes([tube.box for tube in tubes]))
+            counts = np.array([tubes[k].into[1] for k in numbers])
+        elif way == "regions":
+            task = _into_region(follower, claim, index)
+        else:
+            last = claimed_in(follower.problem, claim).last if claim.output else None
+            if last is None or claim.stable:
+                raise LoopProofError("it ends before the claim does")
+            task, periods = Task(claim), [last + 1] * len(numbers)
+        for number, followed in zip(
+            numbers, follower.follow(boxes, periods, task, counts), strict=True
+        ):
+            found[number] = followed
+    return found
 
-        return follower.arrival(box, periods, claim=claim, into=indices, arrived=holds_from)
-    last = claimed_in(follower.problem, claim).last if claim.output else None
-    if last is None or claim.stable:
-        raise LoopProofError("it ends before the claim does")
-    return follower.arrival(box, last + 1, claim=claim, into=())
+
+def _into_region(follower: Follower, claim: LoopClaim, index: int) -> Task:
+    """Return the task to lead into a region, so deep that the claim holds from then on."""
+    haven = follower.havens[index]
+
+    def holds_from(period: int, level: float) -> bool:
+        return not outside(follower.problem, haven.loop, claim, haven.proof, exact(level), period)
+
+    return Task(claim, (index,), arrived=holds_from if claim.output else None)
+
+
+def ends_of_boxes(boxes: Sequence[Sequence[Pair]]) -> tuple[Any, Any]:
+    """Return the lower and the upper ends of boxes, as floats inside them."""
+    lows = [[float_above(exact(low)) for low, _ in box] for box in boxes]
+    highs = [[float_below(exact(high)) for _, high in box] for box in boxes]
+    return np.array(lows), np.array(highs)
 
 
 def _loop_words(haven: Haven) -> str:
@@ -333,13 +372,60 @@ def _loop_words(haven: Haven) -> str:
     return f"derived a loop of {loop.size} states at rest where {rest}{gains}"
 
 
-def _boxes_words(problem: LoopProblem, tubes: Sequence[TubeProof]) -> str:
-    spans = []
-    for k, name in enumerate(problem.states):
-        low = min(tube.box[k][0] for tube in tubes)
-        high = max(tube.box[k][1] for tube in tubes)
-        spans.append(f"{name} in {float_above(exact(low)):g} .. {float_below(exact(high)):g}")
-    return f"{len(tubes)} box{'es' * (len(tubes) != 1)} within {', '.join(spans)}"
+def coverage_words(certificate: Certificate, coverage: float) -> str:
+    """Return what a map says of its window."""
+    window = ", ".join(
+        f"{name_text(name)} in {number_text(low)} .. {number_text(high)}"
+        for name, low, high in certificate.window
+    )
+    count = len(certificate.tubes)
+    boxes = f"{count} box{'es' * (count != 1)}"
+    share = math.floor(coverage * 1000.0 + 1e-5) / 10.0  # rounded down, except for a rounding
+    return f"from {share:g} % of {window} ({boxes}) every run comes to rest"
+
+
+def _coverage(problem: LoopProblem, certificate: Certificate) -> float:
+    """Return which share of its window the boxes of a map are, rounded down."""
+    claim, window = certificate.claim, {name: (a, b) for name, a, b in certificate.window}
+    if claim.start or claim.output or len(window) < len(certificate.window):
+        raise LoopProofError("a map claims that a loop is stable, of one window")
+    for name, (low, high) in window.items():
+        if name not in problem.states or not (math.isfinite(high - low) and low < high):
+            raise LoopProofError(f"{name} in {low:g} .. {high:g} is no window")
+    problem.require_known_start()
+    lows, highs = [], []
+    for tube in certificate.tubes:
+        box = dict(zip(problem.states, tube.box, strict=False))
+        others = [(box[n], problem.start[n].low) for n in problem.states if n not in window]
+        if len(tube.box) == len(problem.states) and all(a <= x <= b for (a, b), x in others):
+            lows.append([box[name][0] for name in window])
+            highs.append([box[name][1] for name in window])
+    if not lows:
+        return 0.0
+    return _share_of(np.array(lows, dtype=object), np.array(highs, dtype=object), window)
+
+
+def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) -> float:
+    """Return which share of a window is in the union of boxes, rounded down: cells are counted."""
+    places, lengths = [], []
+    for axis, (low, high) in enumerate(window.values()):
+        first, last = Fraction(low), Fraction(high)
+        ends = {first, last, *lows[:, axis], *highs[:, axis]}
+        cuts = sorted(x for x in ends if first <= x <= last)
+        place = {x: k for k, x in enumerate(cuts)}
+        places.append([
+            [place[min(max(x, first), last)] for x in side[:, axis]] for side in (lows, highs)
+        ])  # fmt: skip
+        lengths.append(np.array([float((b - a) / (last - first)) for a, b in pairwise(cuts)]))
+    if math.prod(map(len, lengths)) > MOST_CELLS:
+        raise LoopProofError("its boxes make too fine a grid")
+    inside = np.zeros(tuple(map(len, lengths)), dtype=bool)
+    for row in range(len(lows)):
+        inside[tuple(slice(begin[row], end[row]) for begin, end in places)] = True
+    share = inside.astype(float)
+    for length in reversed(lengths):
+        share = share @ length
+    return max(0.0, float(share) * (1.0 - 1e-9))
 
 
 def _controller(certificate: Certificate, folder: Path) -> ControllerText:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
 from flint import arb, fmpq
 
 from fuzzyarm.proof.check.numbers import (
@@ -12,17 +14,19 @@ from fuzzyarm.proof.check.numbers import (
     Matrix,
     Number,
     around,
+    ball,
     between,
     exact,
+    float_above,
     greatest,
     holds,
-    hull,
     identity,
     is_same,
     least,
     product,
 )
 from fuzzyarm.proof.check.slopes import Slope, slopes_of
+from fuzzyarm.proof.check.spans import Matrices, Spans
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 
 __all__ = [
@@ -80,9 +84,9 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
     Whatever J does within its numbers; where J is constant this is its matrix exponential.
     """
     count, size = len(jacobian), len(jacobian[0])
-    step = [[arb(x) * h for x in row] for row in jacobian]
+    step = [[ball(x) * h for x in row] for row in jacobian]
     step += [[arb(0)] * size for _ in range(size - count)]
-    norm = max(float(sum((x.abs_upper() for x in row), arb(0)).upper()) for row in step)
+    norm = max(float_above(sum((x.abs_upper() for x in row), arb(0))) for row in step)
     norm *= 1.0 + 1e-9
     # Over halves of a period, one after another: the flow over both is their product.
     halvings = max(0, math.ceil(norm / SHORT) - 1).bit_length() if math.isfinite(norm) else 99
@@ -91,18 +95,34 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
     norm /= 2**halvings
     step = [[x / 2**halvings for x in row] for row in step]
     last = LAST + 4 * math.ceil(norm)
+    # Terms fall by more than half from there on.
+    tail = arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
+    if any(isinstance(x, Spans) for row in step for x in row):
+        return _flows(step, last, float_above(tail), halvings)[:count]
     total: Matrix = identity(size)
     term = total
     for k in range(1, last + 1):
         term = [[x / k for x in row] for row in product(term, step)]
         total = [[x + y for x, y in zip(a, b, strict=True)]
                  for a, b in zip(total, term, strict=True)]  # fmt: skip
-    # Terms fall by more than half from here on.
-    tail = arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
     total = [[around(x, tail) for x in row] for row in total]
     for _ in range(halvings):
         total = product(total, total)
     return total[:count]
+
+
+def _flows(step: Matrix, last: int, tail: float, halvings: int) -> Matrix:
+    """Return the same sum of many motions at once."""
+    size = len(step)
+    total = term = Matrices(np.eye(size), np.zeros((size, size)))
+    way = Matrices.of(step)
+    for k in range(1, last + 1):
+        term = (term @ way).divided(k)
+        total = total + term
+    total = Matrices(total.near, total.far * (1.0 + 1e-12) + tail)
+    for _ in range(halvings):
+        total = total @ total
+    return total.rows
 
 
 def around_motion(
@@ -126,17 +146,34 @@ def around_motion(
         if all(holds(wide[key], box[key]) for key in equations.states):
             # Picard's operator takes `wide` into itself, so no motion leaves what it makes of it.
             return moved(box)
+        stay = _enclosed(wide, box, equations.states)
         for key in equations.states:
-            both = hull(wide[key], box[key])
-            wide[key] = around(both, (greatest(both) - least(both)) / 200 + fmpq(1, 10**12))
+            # Wider by a share of what the motion adds: narrow states beside wide ones, too.
+            added = _width(box[key]) - _width(ranges[key])
+            wider = around(box[key], added / 4 + fmpq(1, 10**12))
+            wide[key] = wider if stay is None else Spans.of(wide[key]).chosen(stay, wider)
     raise LoopProofError("the motion within a period was not enclosed")
+
+
+def _enclosed(wide: Mapping[str, Number], box: Mapping[str, Number], keys: Sequence[str]) -> Any:
+    """Tell which of many boxes are enclosed already; nothing of a single one."""
+    if not any(isinstance(box[key], Spans) for key in keys):
+        return None
+    pairs = [(Spans.of(wide[key]), Spans.of(box[key])) for key in keys]
+    return np.logical_and.reduce(
+        np.broadcast_arrays(*((a.low <= b.low) & (b.high <= a.high) for a, b in pairs))
+    )
+
+
+def _width(x: Number) -> Number:
+    return greatest(x) - least(x)
 
 
 def _swept(begin: Number, whole: Number, rate: Number) -> Number:
     """Return where x + t f is for all times t from 0 on."""
-    end, nothing = arb(greatest(whole)), arb(0)
-    low = least(begin) + nothing.min(end * least(rate))
-    high = greatest(begin) + nothing.max(end * greatest(rate))
+    end, nothing = greatest(whole), arb(0)
+    low = least(begin) + ball(end * least(rate)).min(nothing)
+    high = greatest(begin) + ball(end * greatest(rate)).max(nothing)
     return between(least(low), greatest(high))
 
 

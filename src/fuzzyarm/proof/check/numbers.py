@@ -1,6 +1,7 @@
 """Numbers of the checker: rationals where they are exact, else Arb's balls (python-flint).
 
-A number is an ``fmpq``, exact, or an ``arb``, a ball that holds the true value. Both mix: whatever
+A number is an ``fmpq``, exact, or an ``arb``, a ball that holds the true value; or many intervals
+at once (:class:`~fuzzyarm.proof.check.spans.Spans`). All mix: whatever
 a ball enters is a ball, rounded outward. A comparison holds only where it is certain, so that
 ``not x < y`` says nothing; and a ball has no truth value: compare it with 0.
 
@@ -13,12 +14,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import lru_cache, wraps
+from functools import wraps
 from numbers import Rational
+from operator import mul
 from typing import Any, ParamSpec, TypeVar
 
+import numpy as np
 from flint import arb, ctx, fmpq
 
+from fuzzyarm.proof.check import spans
+from fuzzyarm.proof.check.spans import Matrices, Spans
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
 
@@ -30,6 +35,7 @@ __all__ = [
     "Number",
     "SpanError",
     "around",
+    "ball",
     "between",
     "ends",
     "exact",
@@ -55,7 +61,7 @@ __all__ = [
 ]  # fmt: skip
 
 Number = Any
-"""An ``fmpq`` or an ``arb``."""
+"""An ``fmpq``, an ``arb`` or ``Spans``."""
 
 Matrix = list[list[Number]]
 
@@ -83,33 +89,38 @@ class SpanError(LoopProofError):
     """Something has no value, or no bound, where numbers are."""
 
 
-@lru_cache(maxsize=4096)
 def exact(value: float | Rational) -> fmpq:
     """Return a float or a rational, which it is exactly."""
     if isinstance(value, float) and not math.isfinite(value):
         raise SpanError(f"{value} is not a number")
-    number = Fraction(value)
-    return fmpq(number.numerator, number.denominator)
+    return spans.exact(Fraction(value))
+
+
+def ball(x: Number) -> Number:
+    """Return a ball, or balls, that hold a number."""
+    return x if isinstance(x, Spans) else arb(x)
 
 
 def between(low: Number, high: Number) -> Number:
     """Return a number that holds all from `low` to `high`."""
+    if isinstance(low, Spans) or isinstance(high, Spans):
+        return Spans.of(low).union(high)
     return low if isinstance(low, fmpq) and low == high else arb(low).union(arb(high))
 
 
 def around(centre: Number, far: Number) -> Number:
     """Return a number that holds all that is not further from a centre."""
-    return arb(centre) + arb(0, 1) * arb(far)
+    return ball(centre) + arb(0, 1) * ball(far)
 
 
 def least(x: Number) -> Number:
     """Return the lower end, exact."""
-    return x.lower() if isinstance(x, arb) else x
+    return x if isinstance(x, fmpq) else x.lower()
 
 
 def greatest(x: Number) -> Number:
     """Return the upper end, exact."""
-    return x.upper() if isinstance(x, arb) else x
+    return x if isinstance(x, fmpq) else x.upper()
 
 
 def ends(x: Number) -> tuple[Fraction, Fraction]:
@@ -127,7 +138,9 @@ def _fraction(x: Number) -> Fraction:
 
 
 def float_below(x: Number) -> float:
-    """Return a float that is not above a number."""
+    """Return a float that is not above a number, or above none of many."""
+    if isinstance(x, Spans):
+        return float(np.min(x.low))
     low = least(x)
     near = float(low) if not isinstance(low, arb) or low.is_finite() else -math.inf
     return near if near == -math.inf or exact(near) <= low else math.nextafter(near, -math.inf)
@@ -140,12 +153,12 @@ def float_above(x: Number) -> float:
 
 def middle(x: Number) -> Number:
     """Return the middle, exact."""
-    return x.mid() if isinstance(x, arb) else x
+    return x if isinstance(x, fmpq) else x.mid()
 
 
 def radius(x: Number) -> Number:
     """Return how far a number may be from its middle."""
-    return x.rad() if isinstance(x, arb) else ZERO
+    return ZERO if isinstance(x, fmpq) else x.rad()
 
 
 def is_zero(x: Number) -> bool:
@@ -160,7 +173,7 @@ def is_point(x: Number) -> bool:
 
 def magnitude(x: Number) -> Number:
     """Return the largest magnitude of a number, exact."""
-    return x.abs_upper() if isinstance(x, arb) else abs(x)
+    return abs(x) if isinstance(x, fmpq) else x.abs_upper()
 
 
 def holds(outer: Number, inner: Number) -> bool:
@@ -223,7 +236,7 @@ def function(name: str, x: Number) -> Number:
     if name in GROWING and not magnitude(x) < LARGE:
         raise SpanError("the exponential of a large number")
     at = (least(x), greatest(x)) if name in RISING and not is_point(x) else (x,)
-    values = [getattr(arb(end), name)() for end in at]
+    values = [getattr(ball(end), name)() for end in at]
     if not all(value.is_finite() for value in values):
         raise SpanError(f"'{name}' has no value, or no bound, in an interval")
     value = hull(*values)
@@ -233,6 +246,8 @@ def function(name: str, x: Number) -> Number:
 
 
 def _clipped(x: Number) -> Number:
+    if isinstance(x, Spans):
+        return x.min(1).max(-1)
     return ONE if x > 1 else -ONE if x < -1 else x
 
 
@@ -252,9 +267,11 @@ def transposed(a: Sequence[Sequence[Number]]) -> Matrix:
 def product(a: Sequence[Sequence[Number]], b: Sequence[Sequence[Number]]) -> Matrix:
     """Return a matrix product, in balls."""
     check_time()
-    columns = [[arb(x) for x in column] for column in zip(*b, strict=True)]
-    rows = [[arb(x) for x in row] for row in a]
-    return [[sum(map(arb.__mul__, row, column), arb(0)) for column in columns] for row in rows]
+    if any(isinstance(x, Spans) for row in (*a, *b) for x in row):
+        return (Matrices.of(a) @ Matrices.of(b)).rows
+    columns = [[ball(x) for x in column] for column in zip(*b, strict=True)]
+    rows = [[ball(x) for x in row] for row in a]
+    return [[sum(map(mul, row, column), arb(0)) for column in columns] for row in rows]
 
 
 def is_positive_definite(matrix: Sequence[Sequence[Number]]) -> bool:

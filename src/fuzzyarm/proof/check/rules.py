@@ -45,7 +45,7 @@ from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = ["RuleSurface", "RuleSurfaces"]
+__all__ = ["RuleSurface", "RuleSurfaces", "coefficients"]
 
 DEEPEST = 14
 """How often a simplex is halved before a claim is given up."""
@@ -645,7 +645,8 @@ class RuleSurface:
     # --- bounds for tubes ---
 
     @cached_property
-    def _grid(self) -> list[tuple[list[fmpq], list[bool], list[float]]]:
+    def grid(self) -> list[tuple[list[fmpq], list[bool], list[float]]]:
+        """Of each input: corners of terms as far as it is looked at, where a term jumps, floats."""
         axes = []
         for variable in self.rulebase.inputs:
             if math.isinf(variable.high - variable.low):
@@ -669,41 +670,12 @@ class RuleSurface:
             for name, along in zip(moving, zip(*slopes, strict=True), strict=True)
         }
 
-    def band(self, inputs: Mapping[str, Number]) -> tuple[Number, dict[str, fmpq]]:
-        """Return slopes of a plane, and where the output is less that plane, over a box."""
-        touched = list(self._touched(inputs))
-        constant = [piece.constant for piece, _ in touched]
-        if constant[0] is not None and all(own == constant[0] for own in constant):
-            slopes = constant[0]
-        else:
-            slopes = self._secants(inputs)
-        plane = dict(zip(self.names, slopes, strict=True))
-        return hull(*(piece.less(slopes, shares) for piece, shares in touched)), plane
-
-    def _secants(self, inputs: Mapping[str, Number]) -> Vector:
-        """Return slopes of secants through the middle of a box: floats, any will do."""
-        ends = [(float_below(inputs[name]), float_above(inputs[name])) for name in self.names]
-        centre = [0.5 * (low + high) for low, high in ends]
-        slopes = []
-        for k, (low, high) in enumerate(ends):
-            pair = [self._near([*centre[:k], x, *centre[k + 1 :]]) for x in (low, high)]
-            steep = (pair[1] - pair[0]) / (high - low) if high > low else 0.0
-            slopes.append(exact(steep if math.isfinite(steep) else 0.0))
-        return tuple(slopes)
-
-    def _near(self, at: Sequence[float]) -> float:
-        cell = tuple(
-            min(max(bisect_right(near, x) - 1, 0), len(near) - 2)
-            for x, (_, _, near) in zip(at, self._grid, strict=True)
-        )
-        return max((piece.near(at) for piece in self._pieces_of(cell)), key=lambda x: x[0])[1]
-
     def _touched(
         self, inputs: Mapping[str, Number]
     ) -> Iterator[tuple[_Bounded, list[tuple[Number, Number]]]]:
         """Yield the pieces that a box of inputs touches, each with its shares there."""
         indices = []
-        for name, (cuts, jumps, near) in zip(self.names, self._grid, strict=True):
+        for name, (cuts, jumps, near) in zip(self.names, self.grid, strict=True):
             low = math.nextafter(float_below(inputs[name]), -math.inf)
             high = math.nextafter(float_above(inputs[name]), math.inf)
             first, last = bisect_left(near, low), bisect_right(near, high)
@@ -716,7 +688,7 @@ class RuleSurface:
         box = [inputs[name] for name in self.names]
         nothing = True
         for cell in every(*indices):
-            for piece in self._pieces_of(cell):
+            for piece in self.pieces_of(cell):
                 shares = piece.shares(box)
                 if shares is None:
                     continue
@@ -727,11 +699,10 @@ class RuleSurface:
         if nothing:
             raise SpanError(f"'{self.name}' is asked outside its range")
 
-    def _pieces_of(self, cell: tuple[int, ...]) -> list[_Bounded]:
+    def pieces_of(self, cell: tuple[int, ...]) -> list[_Bounded]:
+        """Return the pieces of a cell between corners of terms, by its number along each axis."""
         if cell not in self._cells:
-            ends = [
-                (cuts[k], cuts[k + 1]) for k, (cuts, _, _) in zip(cell, self._grid, strict=True)
-            ]
+            ends = [(cuts[k], cuts[k + 1]) for k, (cuts, _, _) in zip(cell, self.grid, strict=True)]
             self._cells[cell] = [_Bounded(piece) for piece in self._cut_cell(ends)]
         return self._cells[cell]
 
@@ -791,15 +762,6 @@ class _Bounded:
         slopes = self._whole[1]
         return tuple(slopes) if all(isinstance(slope, fmpq) for slope in slopes) else None
 
-    def less(self, slopes: Vector, shares: Sequence[tuple[Number, Number]]) -> Number:
-        """Return where the value less a plane through 0 is, where shares are."""
-        if self.constant is not None and self.constant == slopes:
-            return self._whole[2] - _dot(slopes, self.origin)
-        small, corners, _ = self._smaller(shares)
-        upper, lower = (p.compose(*small) for p in (self.piece.upper, self.piece.lower))
-        plane = _linear(tuple(_dot(slopes, corner) for corner in corners))
-        return _ratio(_plus(upper, plane * lower, -ONE), lower)
-
     def _smaller(
         self, shares: Sequence[tuple[Number, Number]]
     ) -> tuple[list[Polynomial], list[Vector], fmpq]:
@@ -820,30 +782,6 @@ class _Bounded:
         ]
         return small, corners, size
 
-    def near(self, at: Sequence[float]) -> tuple[float, float]:
-        """Return how far inside a point is, and the value there: floats, a hint."""
-        if self.is_flat or self.piece.fault:
-            return -math.inf, 0.0
-        gradient, origin, terms = self._floats
-        away = [x - x0 for x, x0 in zip(at, origin, strict=True)]
-        shares = [sum(w * x for w, x in zip(row, away, strict=True)) for row in gradient]
-        shares[0] += 1.0
-        values = []
-        for polynomial in terms:
-            total = 0.0
-            for powers, x in polynomial:
-                parts = (share**power for power, share in zip(powers, shares, strict=True))
-                total += x * math.prod(parts)
-            values.append(total)
-        return min(shares), values[0] / values[1] if values[1] else math.inf
-
-    @cached_property
-    def _floats(self) -> Any:
-        terms = [[([int(k) for k in powers], float(x)) for powers, x in p.to_dict().items()]
-                 for p in (self.piece.upper, self.piece.lower)]  # fmt: skip
-        gradient = [[float(x) for x in row] for row in self.gradient]
-        return gradient, [float(x) for x in self.origin], terms
-
     @cached_property
     def _terms(self) -> list[list[tuple[Any, Number]]]:
         return [[(powers, arb(x)) for powers, x in p.to_dict().items()]
@@ -857,6 +795,15 @@ class _Bounded:
         slopes = [_ratio(_slope(piece, self.gradient, axis), area) for axis in axes]
         up, down = (_coefficient(p.to_dict()) for p in (piece.upper, piece.lower))
         return _ratio(piece.upper, piece.lower), slopes, up / down
+
+
+def coefficients(polynomial: Polynomial, degree: int) -> dict[tuple[int, ...], fmpq]:
+    """Return the coefficients of a polynomial at a degree that is not below its own."""
+    if polynomial.is_zero():
+        return {}
+    unit = sum(_ring(len(polynomial.context().gens()))[1])
+    raised = polynomial * unit ** (degree - int(polynomial.total_degree()))
+    return {tuple(int(k) for k in powers): x for powers, x in raised.to_dict().items()}
 
 
 def _coefficient(terms: Mapping[Any, fmpq]) -> fmpq:

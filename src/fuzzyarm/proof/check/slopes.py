@@ -21,6 +21,7 @@ from fuzzyarm.proof.check.numbers import (
     ZERO,
     Number,
     SpanError,
+    ball,
     exact,
     function,
     greatest,
@@ -30,6 +31,7 @@ from fuzzyarm.proof.check.numbers import (
     square,
 )
 from fuzzyarm.proof.check.rules import RuleSurfaces
+from fuzzyarm.proof.check.spans import Spans
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, constant, postorder, symbol
 from fuzzyarm.symbolic.operations import OPERATIONS
 from fuzzyarm.table import LookupTable
@@ -116,7 +118,9 @@ def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
         return a
     if second.value <= first.value:
         return b
-    one, other = arb(a.value), arb(b.value)
+    one, other = ball(a.value), ball(b.value)
+    if isinstance(other, Spans):
+        one, other = other, one
     value = one.min(other) if smaller else one.max(other)
     # Either may be the one: its slopes are among the hull of both.
     names = {*a.along, *b.along}
@@ -133,7 +137,9 @@ def _is_less(a: Slope, b: Slope, *, or_equal: bool) -> bool:
 
 def _is_equal(a: Slope, b: Slope) -> bool:
     if is_point(a.value) and is_point(b.value):
-        return bool(a.value == b.value)
+        same = bool(a.value == b.value)
+        if same or not (isinstance(a.value, Spans) or isinstance(b.value, Spans)):
+            return same
     if a.value < b.value or b.value < a.value:
         return False
     raise SpanError("a comparison that is open")

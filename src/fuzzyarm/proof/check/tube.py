@@ -1,10 +1,11 @@
 """Boxes of starts that are followed, sample by sample, by sets that hold all of their runs.
 
 A set is a zonotope: affine forms of the plant's states and of what the controller remembers, over
-the same symbols (:mod:`.forms`). The controller's program is walked with such forms. Of an affine
-plant the motion over a period is its matrix exponential; of others it is a series of second order
-with a bounded remainder from the middle of the set, and slopes all over a box that no motion leaves
-(mean value theorem). Symbols that count least become the sides of a box when there are many.
+the same symbols (:mod:`.forms`); thousands are followed side by side. The controller's program is
+walked with such forms. Of an affine plant the motion over a period is its matrix exponential; of
+others it is a series of second order with a bounded remainder from the middle of the set, and
+slopes all over a box that no motion leaves (mean value theorem). Symbols that count least become
+the sides of a box when there are many.
 
 Sources: R. E. Moore, R. B. Kearfott and M. J. Cloud, *Introduction to Interval Analysis*, SIAM
 2009; A. Girard, "Reachability of uncertain linear systems using zonotopes", *Hybrid Systems:
@@ -18,12 +19,12 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, fmpq
+from flint import fmpq
 from numpy.typing import NDArray
 
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.proof.check.certificate import Pair, RegionProof
-from fuzzyarm.proof.check.forms import Form, FormNumbers, combined
+from fuzzyarm.proof.check.forms import ENLARGED, Form, FormNumbers, combined
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.motion import (
     around_motion,
@@ -38,33 +39,33 @@ from fuzzyarm.proof.check.numbers import (
     Matrix,
     Number,
     exact,
-    greatest,
-    is_zero,
-    least,
-    magnitude,
-    middle,
+    is_positive_definite,
     precisely,
     product,
-    radius,
-    square,
-    transposed,
 )
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.slopes import Slope, slopes_of
+from fuzzyarm.proof.check.spans import Spans
 from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port
 from fuzzyarm.proof.stop import check_time
 from fuzzyarm.symbolic.nodes import symbols
 
-__all__ = ["Arrival", "Follower", "Haven", "covered"]
+__all__ = ["Followed", "Follower", "Haven", "Task", "covered"]
 
-MOST_SYMBOLS = 16
+MOST_SYMBOLS = 14
 """Symbols for each state above which a set is made simpler."""
 
 STEPS = 4
 """Steps of second order in a period, of what begins in the middle of a set."""
 
+AT_ONCE = 4096
+"""Sets that are followed side by side."""
+
+Vector = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Index = NDArray[np.int64]
 Box = Sequence[Pair]
 
 
@@ -75,12 +76,44 @@ class Haven(NamedTuple):
     proof: RegionProof
 
 
-class Arrival(NamedTuple):
-    """When a box has arrived: after some periods, in a region (with V at most) or in boxes."""
+class Task(NamedTuple):
+    """What is to be shown of boxes.
+
+    Attributes
+    ----------
+    claim : LoopClaim or None
+        What has to hold of an output on the way.
+    into : tuple of int
+        Numbers of regions in which runs may arrive; none: they are followed to their last period.
+    boxes : tuple of ndarray, optional
+        Lower and upper ends of boxes, shape (boxes, states), that are as good as arrived; those of
+        a number that is below that of a set count for it. Only of a loop that remembers nothing.
+    arrived : callable, optional
+        Whether a number of periods and a bound of V are enough.
+    any_period : bool
+        Whether sets may be in the boxes after any period; else in their last one.
+    """
+
+    claim: LoopClaim | None = None
+    into: tuple[int, ...] = ()
+    boxes: tuple[Vector, Vector] | None = None
+    arrived: Callable[[int, float], bool] | None = None
+    any_period: bool = False
+
+
+class Followed(NamedTuple):
+    """What became of a box: after how many periods it had arrived, and why it has not, if so."""
 
     periods: int
-    region: int | None = None
-    level: Number = ONE
+    against: str = ""
+
+
+class _Group(NamedTuple):
+    """Sets on their way: which they are, where they are, after how many periods."""
+
+    which: Index
+    now: list[Form]
+    period: int
 
 
 class Follower:
@@ -144,18 +177,25 @@ class Follower:
         self, states: Sequence[Form], memory: Sequence[Form], *, first: bool = True
     ) -> tuple[list[Form], list[Form]]:
         """Return the inputs of the plant, and the memory afterwards."""
-        problem, interface = self.problem, self.problem.site.interface
+        interface = self.problem.site.interface
         outputs = self._outputs(states)
-        for output, port in zip(outputs, interface.outputs.values(), strict=True):
-            if not magnitude(output.span) <= arb(port.bound):
-                raise LoopProofError("an output may be beyond its bound")
         inputs, after = self.walk.period(
             self.numbers,
-            dict(zip(problem.site.interface.outputs, outputs, strict=True)),
+            dict(zip(interface.outputs, outputs, strict=True)),
             dict(zip(self.memory, memory, strict=True)),
             first=first,
         )
-        return [inputs[a] for a in interface.inputs], [after[name] for name in self.memory]
+        drives = [self.numbers.kept(inputs[address]) for address in interface.inputs]
+        return drives, [after[name] for name in self.memory]
+
+    def _bounded(self, states: Sequence[Form]) -> Flags:
+        """Tell which sets are within the bounds of all ports, and are sets at all."""
+        ports = self.problem.site.interface.outputs.values()
+        bounded = np.ones(self.numbers.sets, dtype=bool)
+        for output, port in zip(self._outputs(states), ports, strict=True):
+            bounded &= output.size <= port.bound
+            bounded &= np.isfinite(output.size)
+        return bounded
 
     def _outputs(self, states: Sequence[Form]) -> list[Form]:
         """Return the outputs of the plant, by their slopes at a set of its states."""
@@ -168,39 +208,34 @@ class Follower:
                 continue
             over, at = (
                 slopes_of([root], self._fixed | {
-                    key: Slope(x.span if wide else x.centre, {key: ONE} if wide else {})
+                    key: Slope(x.span if wide else _point(x), {key: ONE} if wide else {})
                     for key, x in by_name.items()
                 })[0]
                 for wide in (True, False)
             )  # fmt: skip
             row = [over.along.get(key, ZERO) for key in equations.states]
-            outputs.append(self._moved([row], states, [at.value])[0])
+            outputs.append(self.numbers.kept(self._moved([row], states, [at.value])[0]))
         return outputs
 
     def _moved(self, matrix: Matrix, forms: Sequence[Form], ends: Sequence[Number]) -> list[Form]:
-        """Return ends and slopes times deviations; what slopes may be off is a symbol."""
-        moved = []
-        for row, end in zip(matrix, ends, strict=True):
-            off = sum((arb(radius(x)) * form.reach for x, form in zip(row, forms, strict=True)),
-                      arb(0))  # fmt: skip
-            terms = [(Form(arb(0), form.weights), middle(x))
-                     for x, form in zip(row, forms, strict=True)]  # fmt: skip
-            moved.append(combined((Form(end, {}), ONE), *terms,
-                                  (self.numbers.symbol(off + radius(end)), ONE)))  # fmt: skip
-            moved[-1] = moved[-1]._replace(centre=arb(middle(moved[-1].centre)))
-        return moved
+        """Return ends and slopes times deviations."""
+        away = [Form(np.zeros_like(form.centre), form.weights, form.rest) for form in forms]
+        return [
+            combined(*zip(away, map(Spans.of, row), strict=True), (self.numbers.of(end), 1.0))
+            for row, end in zip(matrix, ends, strict=True)
+        ]
 
     def _period(
         self, now: Sequence[Form], *, first: bool, port: str
-    ) -> tuple[list[Form], tuple[Number, Number]]:
-        """Return the set a period later, and where a port is within the period."""
+    ) -> tuple[list[Form], Spans | None]:
+        """Return sets a period later, and where a port is within the period."""
         problem, count = self.problem, len(self.problem.states)
         states = list(now[:count])
         drives, after = self._controlled(states, now[count:], first=first)
         if not self.walk.states_read <= set(self.memory):
             raise LoopProofError("the program reads a value that is not followed")
-        span = self._within(states, drives, port) if port else (ZERO, ZERO)
-        x, u = [s.centre for s in states], [s.centre for s in drives]
+        span = self._within(states, drives, port) if port else None
+        x, u = [_point(s) for s in states], [_point(s) for s in drives]
         if self._flow is not None:
             flow, ends = self._flow[0], self._ahead(x, u)
         else:
@@ -249,110 +284,141 @@ class Follower:
             ]
         return at
 
-    def _within(
-        self, states: Sequence[Form], drives: Sequence[Form], port: str
-    ) -> tuple[Number, Number]:
+    def _within(self, states: Sequence[Form], drives: Sequence[Form], port: str) -> Spans:
         """Return where an output or a drive is from this sample to the next."""
         equations, interface = self.problem.equations, self.problem.site.interface
         for address, drive in zip(interface.inputs, drives, strict=True):
             if interface.label(address) == port:
-                low, high = (arb(end) for end in drive.ends)
-                return arb(least(drive.span)).max(low), arb(greatest(drive.span)).min(high)
+                return drive.span.max(drive.ends[0]).min(drive.ends[1])
         moving = self._around([s.span for s in states], [s.span for s in drives])
         index = [interface.label(address) for address in interface.outputs].index(port)
         values = {key: Slope(span, {}) for key, span in moving.items()}
-        span = slopes_of([equations.outputs[index]], values)[0].value
-        return least(span), greatest(span)
+        return Spans.of(slopes_of([equations.outputs[index]], values)[0].value)
 
-    def _fewer(self, forms: Sequence[Form]) -> list[Form]:
-        """Return a set of few symbols that holds one: those that count least become a box."""
-        size = len(forms)
-        symbols = sorted({symbol for form in forms for symbol in form.weights})
-        if len(symbols) <= MOST_SYMBOLS * size:
-            return list(forms)
-        plain = np.array([[float(middle(form.weights.get(s, ZERO))) for s in symbols]
-                          for form in forms])  # fmt: skip
-        lengths = np.abs(plain).sum(axis=1)
-        lengths[lengths == 0.0] = 1.0
-        scaled = np.abs(plain) / lengths[:, None]
-        order = np.argsort(-(scaled.sum(axis=0) - scaled.max(axis=0)))
-        kept = {symbols[k] for k in order[: MOST_SYMBOLS * size // 2]}
-        fewer = []
-        for form in forms:
-            off = sum((magnitude(x) for s, x in form.weights.items() if s not in kept), arb(0))
-            weights = {s: x for s, x in form.weights.items() if s in kept}
-            side = self.numbers.symbol(off + radius(form.centre))
-            fewer.append(Form(arb(middle(form.centre)), {**weights, **side.weights}))
-        return fewer
-
-    # --- a box ---
+    # --- boxes ---
 
     @precisely
-    def arrival(
-        self, box: Box, periods: int, *, claim: LoopClaim | None = None,
-        into: Sequence[int] | None = None, boxes: Sequence[Box] = (),
-        arrived: Callable[[int, Number], bool] | None = None,
-    ) -> Arrival:  # fmt: skip
-        """Follow a box of starts until all of its runs have arrived.
+    def follow(
+        self, boxes: Sequence[Box], periods: Sequence[int], task: Task, numbers: Index | None = None
+    ) -> list[Followed]:
+        """Follow boxes of starts until all of their runs have arrived.
 
         Parameters
         ----------
-        box : sequence of (Fraction, Fraction)
-            Of each state of the plant; memory is as it begins.
-        periods : int
-            For how long at most.
-        claim : LoopClaim, optional
-            What has to hold of an output on the way.
-        into : sequence of int, optional
-            Numbers of regions that count; all by default.
         boxes : sequence of boxes
-            Whose runs are known to arrive; only of a loop that remembers nothing.
-        arrived : callable, optional
-            Whether a number of periods and a bound of V are enough.
-
-        Raises
-        ------
-        LoopProofError
-            If that is not shown.
+            Of each state of the plant; memory is as it begins.
+        periods : sequence of int
+            For how long each, at most.
+        task : Task
+            What is to be shown.
+        numbers : ndarray of int, optional
+            Of each box: how many of the boxes of the task are before it; all by default.
         """
-        port, first, last = "", 0, None
+        found = [Followed(0, "it was not followed")] * len(boxes)
+        last = np.asarray(periods, dtype=np.int64)
+        for begin in range(0, len(boxes), AT_ONCE):
+            which = np.arange(begin, min(begin + AT_ONCE, len(boxes)))
+            waiting = [_Group(which, self._begin(boxes[begin : begin + AT_ONCE]), 0)]
+            while waiting:
+                check_time()
+                group = waiting.pop()
+                self.numbers.sets = len(group.which)
+                self.numbers.symbols = max(len(form.weights) for form in group.now)
+                try:
+                    with np.errstate(all="ignore"):  # what is not finite never arrives
+                        later = self._later(group, last, task, numbers, found)
+                except (LoopProofError, ZeroDivisionError) as error:
+                    if len(group.which) == 1:
+                        found[int(group.which[0])] = Followed(group.period, str(error))
+                    else:  # one of them is at fault, or they take different branches
+                        waiting += _halves(group)
+                    continue
+                if later is not None:
+                    waiting.append(later)
+        return found
+
+    def _later(
+        self, group: _Group, last: Index, task: Task, numbers: Index | None,
+        found: list[Followed],
+    ) -> _Group | None:  # fmt: skip
+        """Return what of a group is on its way a period later; others are found out."""
+        which, now, k = group
+        claim, port, counts = task.claim, "", False
         if claim is not None and claim.output:
             port = claimed_port(self.problem, claim)
-            first, last = claimed_in(self.problem, claim)
-        now = self._begin(box)
-        allowed = range(len(self.havens)) if into is None else into
-        for k in range(periods + 1):
-            check_time()
-            for number in allowed if k or not self.walk.begun else ():
-                level = self._level(number, now)
-                if level is not None and (arrived is None or arrived(k, level)):
-                    return Arrival(k, number, level)
-            if boxes and k and self._is_in(now, boxes):
-                return Arrival(k)
-            if k == periods:
-                break
-            counts = port and k >= first and (last is None or k <= last)
-            after, (low, high) = self._period(now, first=k == 0, port=port if counts else "")
-            if counts and claim is not None:
-                if not (exact(claim.low) <= low and high <= exact(claim.high)):
-                    raise LoopProofError(f"in period {k + 1} the claim is not shown")
-                if k == last and not allowed:
-                    return Arrival(k + 1)
-            now = self._fewer(after)
-        raise LoopProofError(f"it has not arrived after {periods} periods")
+            first, end = claimed_in(self.problem, claim)
+            counts = k >= first and (end is None or k <= end)
+        arrived = self._arrived(group, last, task, numbers)
+        late = ~arrived & (last[which] <= k)
+        for i in which[arrived]:
+            found[int(i)] = Followed(k)
+        for i in which[late]:
+            found[int(i)] = Followed(k, f"it has not arrived after {k} periods")
+        bounded = self._bounded(now[: len(self.problem.states)])
+        for i in which[~(arrived | late | bounded)]:
+            found[int(i)] = Followed(k, "an output may be beyond its bound")
+        which, now = _stay(which, now, ~(arrived | late) & bounded)
+        if not len(which):
+            return None
+        self.numbers.sets = len(which)
+        after, span = self._period(now, first=k == 0, port=port if counts else "")
+        now = self.numbers.fewer(after, MOST_SYMBOLS)
+        if span is not None and claim is not None:
+            holds = np.broadcast_to(
+                (span.low >= claim.low) & (span.high <= claim.high), which.shape
+            )
+            for i in which[~holds]:
+                found[int(i)] = Followed(k, f"in period {k + 1} the claim is not shown")
+            which, now = _stay(which, now, holds)
+            if k == end and not task.into:
+                for i in which:
+                    found[int(i)] = Followed(k + 1)
+                return None
+        return _Group(which, now, k + 1) if len(which) else None
 
-    def _begin(self, box: Box) -> list[Form]:
-        spans = [(exact(low), exact(high)) for low, high in box]
-        if len(spans) != len(self.problem.states) or any(low > high for low, high in spans):
+    def _arrived(self, group: _Group, last: Index, task: Task, numbers: Index | None) -> Flags:
+        """Tell which sets have arrived: in a region, or in boxes before them."""
+        which, now, k = group
+        arrived = np.zeros(len(which), dtype=bool)
+        for number in task.into if k or not self.walk.begun else ():
+            level = self._level(number, now)
+            inside = level <= 1.0
+            if task.arrived is not None and inside.any():
+                # What a lower level does not show, a higher one does not.
+                levels = np.unique(level[inside])[::-1]
+                enough = next((x for x in levels if task.arrived(k, float(x))), -1.0)
+                inside &= level <= enough
+            arrived |= inside
+        # A run that is in a box is as one that begins there only if nothing is remembered.
+        remembers = self.memory or self.problem.text.model.every > 1
+        if task.boxes is not None and k and not remembers:
+            spans = [form.span for form in now]
+            low, high = (np.stack(ends, axis=1) for ends in (
+                [x.low for x in spans], [x.high for x in spans]))  # fmt: skip
+            due = ~arrived & ((last[which] == k) | task.any_period)
+            for i in np.flatnonzero(due & np.isfinite(low + high).all(axis=1)):
+                count = None if numbers is None else int(numbers[which[i]])
+                box = list(zip(low[i].tolist(), high[i].tolist(), strict=True))
+                arrived[i] = covered(box, *(ends[:count] for ends in task.boxes))
+        return arrived
+
+    def _begin(self, boxes: Sequence[Box]) -> list[Form]:
+        size = len(self.problem.states)
+        if any(len(box) != size or any(low > high for low, high in box) for box in boxes):
             raise LoopProofError("it is not a box of the plant's states")
-        forms = [
-            self.numbers.symbol((high - low) / 2)._replace(centre=arb((low + high) / 2))
-            for low, high in spans
-        ]
+        self.numbers.sets, self.numbers.symbols = len(boxes), 0
+        forms = []
+        for k in range(size):
+            ends = [Spans.of(exact(low)).union(exact(high))
+                    for low, high in (box[k] for box in boxes)]  # fmt: skip
+            side = Spans([x.low for x in ends], [x.high for x in ends])
+            forms.append(self.numbers.kept(self.numbers.of(side)))
         return [*forms, *(self.numbers.number(self.walk.states[name]) for name in self.memory)]
 
-    def _goal(self, haven: Haven) -> tuple[list[int], list[int], NDArray[Any]]:
-        """Return the coordinates of a region's z, of memory that stays, and F: near P = Fᵀ F."""
+    # --- regions ---
+
+    def _goal(self, haven: Haven) -> tuple[list[int], list[int], Any, float]:
+        """Return the coordinates of z, of memory that stays, F and s: P < (1 + s) Fᵀ F."""
         places = {name: k for k, name in enumerate((*self.problem.states, *self.memory))}
         memory = haven.proof.evidence.memory
         known = [places.get(memory.get(name, name)) for name in haven.proof.states]
@@ -362,58 +428,71 @@ class Follower:
         plain = np.array([[float(x) for x in row] for row in haven.proof.p])
         scale = np.sqrt(np.diag(plain))  # states differ in unit by orders of magnitude
         factor = np.linalg.cholesky(plain / scale[:, None] / scale[None, :]).T * scale[None, :]
-        return order, [k for k in range(len(places)) if k not in order], factor
+        rows = [[exact(float(x)) for x in row] for row in factor]
+        size = range(len(rows))
+        square = [[sum((row[i] * row[j] for row in rows), ZERO) for j in size] for i in size]
+        for slack in (2.0**-30, 2.0**-20, 2.0**-10):
+            larger = [[square[i][j] * exact(1.0 + slack) - exact(haven.proof.p[i][j])
+                       for j in size] for i in size]  # fmt: skip
+            if is_positive_definite(larger):
+                others = [k for k in range(len(places)) if k not in order]
+                return order, others, factor, slack
+        raise LoopProofError("the region is too flat for its factors as floats")
 
-    def _level(self, number: int, now: Sequence[Form]) -> Number | None:
-        """Return V at most in a set that is in a region; None: it is not shown to be."""
-        (loop, proof), (order, still, factor) = self.havens[number], self._goals[number]
+    def _level(self, number: int, now: Sequence[Form]) -> Vector:
+        """Return V at most in each set; infinite where it is not known."""
+        (loop, proof), (order, still, factor, slack) = self.havens[number], self._goals[number]
         z = [
-            combined((now[k], ONE), (Form(loop.rest[name], {}), -ONE))
+            combined((now[k], 1.0), (self.numbers.of(loop.rest[name]), -1.0))
             for k, name in zip(order, proof.states, strict=True)
         ]
-        plain = factor @ np.array([float(middle(x.centre)) for x in z])
-        if plain @ plain > 1.0:  # in floats: no more than a hint that it is worth while
-            return None
+        # V ≤ (1 + s) |F z|², where what entries owe to the same symbols cancels.
+        entries = [combined(*zip(z, row, strict=True)).size for row in factor]
+        level = sum(x * x for x in entries) * ENLARGED * (1.0 + slack) * ENLARGED
         for k in still:
-            begun = exact(self.walk.states[self.memory[k - len(self.problem.states)]])
-            if now[k].weights or not is_zero(now[k].centre - begun):
-                return None
-        # V = |F z|² + zᵀ (P − Fᵀ F) z, where the second is next to nothing.
-        rows = [[exact(float(x)) for x in row] for row in factor]
-        entries = [combined(*zip(z, row, strict=True)).span for row in rows]
-        level = sum((square(arb(x)) for x in entries), arb(0))
-        square_of = product(transposed(rows), rows)
-        spans = [x.span for x in z]
-        for i, row in enumerate(proof.p):
-            for j, weight in enumerate(row):
-                level += spans[i] * spans[j] * (exact(weight) - square_of[i][j])
-        level = greatest(level)
-        return level if level <= 1 else None
-
-    def _is_in(self, now: Sequence[Form], boxes: Sequence[Box]) -> bool:
-        if self.memory:
-            return False
-        spans = [(least(x.span), greatest(x.span)) for x in now]
-        return covered(spans, [[(exact(low), exact(high)) for low, high in box] for box in boxes])
+            begun = self.walk.states[self.memory[k - len(self.problem.states)]]
+            form = now[k]
+            same = (form.centre == begun) & (form.reach == 0.0)
+            level = np.where(same, level, np.inf)
+        return np.where(np.isfinite(level), level, np.inf)
 
 
-def covered(
-    box: Sequence[tuple[Number, Number]], boxes: Sequence[Sequence[tuple[Number, Number]]]
-) -> bool:
+def _point(form: Form) -> Spans:
+    return Spans(form.centre, form.centre)
+
+
+def _stay(which: Index, now: Sequence[Form], stays: Flags) -> tuple[Index, list[Form]]:
+    if stays.all():
+        return which, list(now)
+    return which[stays], [form.of(stays) for form in now]
+
+
+def _halves(group: _Group) -> list[_Group]:
+    middle = len(group.which) // 2
+    return [
+        _Group(group.which[part], [form.of(part) for form in group.now], group.period)
+        for part in (slice(None, middle), slice(middle, None))
+    ]
+
+
+def covered(box: Sequence[tuple[float, float]], lows: Vector, highs: Vector) -> bool:
     """Tell whether all of a box is in the union of some: cut at their sides until each part is."""
-    near = [other for other in boxes if not _is_apart(box, other)]
-    if not near:
+    low, high = (np.array(ends) for ends in zip(*box, strict=True))
+    near = ((lows <= high) & (highs >= low)).all(axis=1)
+    if not near.any():
         return False
-    return all(covered(outside, near[1:]) for outside in _parts_outside(box, near[0]))
-
-
-def _is_apart(box: Sequence[tuple[Number, Number]], other: Sequence[tuple[Number, Number]]) -> bool:
-    return any(a[1] < b[0] or b[1] < a[0] for a, b in zip(box, other, strict=True))
+    lows, highs = lows[near], highs[near]
+    # The one that holds most of the box first.
+    shares = np.minimum(highs, high) - np.maximum(lows, low)
+    first = int(np.argmax((shares / np.maximum(high - low, 1e-300)).min(axis=1)))
+    rest = np.arange(len(lows)) != first
+    ends = list(zip(lows[first].tolist(), highs[first].tolist(), strict=True))
+    return all(covered(part, lows[rest], highs[rest]) for part in _parts_outside(box, ends))
 
 
 def _parts_outside(
-    box: Sequence[tuple[Number, Number]], other: Sequence[tuple[Number, Number]]
-) -> Iterator[list[tuple[Number, Number]]]:
+    box: Sequence[tuple[float, float]], other: Sequence[tuple[float, float]]
+) -> Iterator[list[tuple[float, float]]]:
     """Yield boxes that hold all of a box that is outside another one."""
     rest = list(box)
     for k, (low, high) in enumerate(other):

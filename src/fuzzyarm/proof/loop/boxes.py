@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from fuzzyarm.control.controllers.text import ControllerText
@@ -12,23 +13,29 @@ from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import (
     Certificate,
+    Pair,
     RegionProof,
     TubeProof,
     fingerprints_of,
     sensors_by_name,
 )
-from fuzzyarm.proof.check.checking import follow_box
+from fuzzyarm.proof.check.checking import ends_of_boxes, follow_tubes
 from fuzzyarm.proof.check.region import accepted
-from fuzzyarm.proof.check.tube import Follower, Haven
+from fuzzyarm.proof.check.tube import Follower, Haven, Task
 from fuzzyarm.proof.claim.identity import loop_digests
-from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
-__all__ = ["certify_tube"]
+__all__ = ["certify_map", "certify_tube"]
 
 MOST_HALVINGS = 12
+
+HALVED_AGAIN = 2
+"""How often a box of a map is halved that the checker does not follow as a whole."""
+
+Box = tuple[Pair, ...]
 
 
 def certify_tube(
@@ -67,31 +74,18 @@ def certify_tube(
     problem = problem_of(text, claim, plant=plant, sensors=sensors, connect=connect)
     stop = Stop(budget, tell)
     start = tuple((Fraction(x.low), Fraction(x.high)) for x in problem.start.values())
-    wide = [k for k, (low, high) in enumerate(start) if low < high]
-    tubes: list[TubeProof] = []
-    waiting = [(start, 0)]
     try:
         with stop:
             follower = Follower(problem, [Haven(accepted(problem, r), r) for r in regions])
             if regions:
                 most = max(problem.plant.duration or 0.0, claim.begin, 1000 * problem.period)
-                whole = TubeProof(start, math.ceil(most / problem.period), ("regions", (0,)))
+                whole = TubeProof(start, math.ceil(most / problem.period), ("regions", 0))
             else:
                 last = claimed_in(problem, claim).last
                 whole = TubeProof(start, 0 if last is None else last + 1)
-            while waiting:
-                box, halvings = waiting.pop(0)
-                stop.check(len(tubes) + 1)
-                try:
-                    tube = whole._replace(box=box)
-                    arrival = follow_box(follower, claim, [tube], 0)
-                except LoopProofError:
-                    if not wide or halvings >= MOST_HALVINGS:
-                        raise
-                    # Along each of the states in turn, as the whole box was wide.
-                    waiting += _halves(box, wide[halvings % len(wide)], halvings)
-                else:
-                    tubes.append(tube._replace(periods=arrival.periods))
+            tubes, lost = _followed(follower, claim, [whole], MOST_HALVINGS, stop)
+            if lost:
+                raise LoopProofError(next(iter(lost.values())))
     except (LoopProofError, TimeOverError) as error:
         raise LoopProofError(f"no certificate was found: {error}") from error
     return Certificate(
@@ -100,12 +94,121 @@ def certify_tube(
     )  # fmt: skip
 
 
-def _halves(
-    box: tuple[tuple[Fraction, Fraction], ...], axis: int, halvings: int
-) -> list[tuple[tuple[tuple[Fraction, Fraction], ...], int]]:
-    low, high = box[axis]
+def _followed(
+    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof], halvings: int, stop: Stop
+) -> tuple[list[TubeProof], dict[TubeProof, str]]:
+    """Return tubes that the checker follows, halved so often at most; and others, with reasons."""
+    wide = [
+        k for k, ends in enumerate(zip(*(tube.box for tube in tubes), strict=True))
+        if any(low < high for low, high in ends)
+    ]  # fmt: skip
+    found: list[TubeProof] = []
+    lost: dict[TubeProof, str] = {}
+    for depth in range(halvings + 1):
+        waiting: list[TubeProof] = []
+        for tube, followed in zip(tubes, follow_tubes(follower, claim, tubes), strict=True):
+            if not followed.against:
+                found.append(tube._replace(periods=followed.periods))
+            elif not wide or depth == halvings:
+                lost[tube] = followed.against
+            else:  # along each of the states in turn
+                waiting += _halves(tube, wide[depth % len(wide)])
+        tubes = waiting
+        if not tubes:
+            break
+        stop.check(len(found) + len(tubes))
+    return found, lost
+
+
+def _halves(tube: TubeProof, axis: int) -> list[TubeProof]:
+    low, high = tube.box[axis]
     middle = (low + high) / 2
     return [
-        ((*box[:axis], ends, *box[axis + 1 :]), halvings + 1)
+        tube._replace(box=(*tube.box[:axis], ends, *tube.box[axis + 1 :]))
         for ends in ((low, middle), (middle, high))
     ]
+
+
+# ── maps ─────────────────────────────────────────────────────────────────────────────
+
+
+def certify_map(
+    problem: LoopProblem,
+    whole: Certificate,
+    boxes: Sequence[tuple[Box, int]],
+    stop: Stop,
+    halvings: int = HALVED_AGAIN,
+) -> tuple[Certificate, dict[Box, str]]:
+    """Make the certificate of a map: what of its boxes the checker follows.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop, as the plant begins.
+    whole : Certificate
+        Of its region, with the window.
+    boxes : sequence of (box, int)
+        All states of the plant, and in how many periods they arrived, those that did first first.
+    stop : Stop
+        When to give up.
+    halvings : int
+        How often a box is halved of which the checker does not say so.
+
+    Returns
+    -------
+    (Certificate, dict of box to str)
+        And the boxes that are not in it, with the reason.
+    """
+    claim, found = whole.claim, list[TubeProof]()
+    waiting = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
+    wide = [k for k, name in enumerate(problem.states) if name in {n for n, *_ in whole.window}]
+    reasons: dict[Box, str] = {}
+    try:
+        with stop:
+            haven = Haven(accepted(problem, whole.region), whole.region)
+            follower = Follower(problem, [haven])
+            for depth in range(halvings + 1):
+                waiting = _arriving(follower, claim, waiting, found, reasons)
+                while waiting and not follower.memory:
+                    before = len(found)
+                    waiting = _joining(follower, waiting, found)
+                    if len(found) == before:
+                        break
+                if depth < halvings:
+                    axis = wide[depth % len(wide)]
+                    waiting = [half for tube in waiting for half in _halves(tube, axis)]
+    except TimeOverError:
+        reasons = {tube.box: "time ran out before the checker had followed it" for tube in waiting}
+    return replace(whole, tubes=tuple(found)), {
+        tube.box: reasons.get(tube.box, "the checker does not follow it") for tube in waiting
+    }
+
+
+def _arriving(
+    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof], found: list[TubeProof],
+    reasons: dict[Box, str],
+) -> list[TubeProof]:  # fmt: skip
+    """Take in the boxes that lead into the region; return the others."""
+    waiting = []
+    for tube, followed in zip(tubes, follow_tubes(follower, claim, tubes), strict=True):
+        if followed.against:
+            waiting.append(tube)
+            reasons[tube.box] = followed.against
+        else:
+            found.append(tube._replace(periods=followed.periods))
+    return waiting
+
+
+def _joining(
+    follower: Follower, tubes: Sequence[TubeProof], found: list[TubeProof]
+) -> list[TubeProof]:
+    """Take in the boxes that lead into those before them; return the others."""
+    task = Task(boxes=ends_of_boxes([tube.box for tube in found]), any_period=True)
+    boxes, periods = [tube.box for tube in tubes], [tube.periods for tube in tubes]
+    count, waiting = len(found), []
+    for tube, followed in zip(tubes, follower.follow(boxes, periods, task), strict=True):
+        if followed.against:
+            waiting.append(tube)
+        else:
+            found.append(TubeProof(tube.box, followed.periods, ("tubes", count)))
+    return waiting

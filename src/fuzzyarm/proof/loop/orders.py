@@ -402,7 +402,11 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
 
 
 def map_of(
-    request: ProveRequest, controller: ControllerText, watch: Callable[[StartMap], None]
+    request: ProveRequest,
+    controller: ControllerText,
+    watch: Callable[[StartMap], None],
+    *,
+    certify: bool = False,
 ) -> StartMap:
     """Map the starts of a loop: proved, refuted or open."""
     claim = claim_of(request)
@@ -411,7 +415,9 @@ def map_of(
         start = read_claim(f"stable from {request.over}", request.plant or "", source).start
         claim = replace(claim, start=start)
     setup = setup_of(request, claim)
-    search = MapSearch(request.budget or MAP_BUDGET, request.workers or 1, request.resume)
+    search = MapSearch(
+        request.budget or MAP_BUDGET, request.workers or 1, request.resume, certify=certify
+    )
     return map_starts(controller, claim, search, watch=watch, **setup)
 
 

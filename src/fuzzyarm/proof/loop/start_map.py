@@ -17,6 +17,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -32,12 +33,13 @@ from fuzzyarm.control.loop.blocks import default_processes, end_processes, packe
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.proof.check.certificate import Certificate, fingerprints_of
+from fuzzyarm.proof.check.certificate import Certificate, Pair, fingerprints_of
 from fuzzyarm.proof.check.region import verified
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import loop_sentence, problem_of
 from fuzzyarm.proof.loop.algebra import Number
+from fuzzyarm.proof.loop.boxes import certify_map
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Nearness
@@ -66,6 +68,9 @@ HALVINGS = 8
 
 RUNS = 400
 """Drawn starts, by which the share of those that come to rest is estimated."""
+
+SHARE_OF_CHECK = 0.5
+"""Of the budget, what the checker may take to follow the boxes of a certificate, at least."""
 
 AT_ONCE = 4
 """Pieces of work for each worker."""
@@ -117,7 +122,7 @@ class StartMap(Shown):
     rest : dict of str to float
         Where the loop rests.
     certificate : Certificate or None
-        Of that region.
+        Of that region, or of the whole map.
     starts, settled, settled_proved : int
         How many starts were drawn, how many of their runs came to rest, and how many of those
         begin in boxes that are proved.
@@ -467,12 +472,15 @@ class MapSearch:
         A file that gets a line for each box; of the same question, it is gone on with.
     runs : int
         Drawn starts, whose runs are simulated.
+    certify : bool
+        Whether only those boxes count as proved that the checker follows, for a certificate.
     """
 
     budget: float = MAP_BUDGET
     workers: int = 1
     journal: str | None = None
     runs: int = RUNS
+    certify: bool = False
 
 
 DEFAULT_SEARCH = MapSearch()
@@ -539,6 +547,7 @@ class _Map:
         self.journal: WorkJournal | None = None
         self.drawn: list[tuple[tuple[float, ...], bool]] = []
         self.told = -math.inf
+        self.certificate: Certificate | None = None
 
     def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
         """Yield the ranges of the outputs that are states."""
@@ -576,12 +585,44 @@ class _Map:
         finally:
             if self.journal is not None:
                 self.journal.close()
+        if self.search.certify:
+            self._certify(verdict.certificate)
         if self.search.runs:
             self._draw()
         return self._map()
 
+    def _certify(self, region: Certificate) -> None:
+        """Leave as proved what the checker follows, and keep that as the certificate."""
+        problem = problem_of(
+            self.text, region.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
+        )
+        begun = {name: (span.low, span.high) for name, span in problem.start.items()}
+        found: list[tuple[tuple[Pair, ...], int]] = []
+        for box in self.boxes:
+            if box.verdict == PROVED:
+                ends_by_name = zip(self.window, zip(box.low, box.high, strict=True), strict=True)
+                sides = begun | dict(ends_by_name)
+                ends = tuple((Fraction(a), Fraction(b)) for a, b in sides.values())
+                found.append((ends, box.periods))
+        window = tuple((name, span.low, span.high) for name, span in self.window.items())
+        stop = Stop(max(self.stop.left, 0.0) + SHARE_OF_CHECK * self.search.budget)
+        self.certificate, lost = certify_map(problem, replace(region, window=window), found, stop)
+        self.work += stop.spent
+        order = [problem.states.index(name) for name in self.window]
+
+        def mapped(box: Sequence[Pair], verdict: str, periods: int, reason: str) -> MappedBox:
+            low, high = zip(*((float(box[k][0]), float(box[k][1])) for k in order), strict=True)
+            return MappedBox(low, high, verdict, periods, reason)
+
+        self.boxes = [box for box in self.boxes if box.verdict != PROVED]
+        self.boxes += [mapped(t.box, PROVED, t.periods, "") for t in self.certificate.tubes]
+        self.boxes += [
+            mapped(box, OPEN, 0, f"the checker does not follow it: {reason}")
+            for box, reason in lost.items()
+        ]
+
     def _map(self, reason: str = "") -> StartMap:
-        verdict, certificate = self.region, self.region.certificate
+        verdict, certificate = self.region, self.certificate or self.region.certificate
         settled = [at for at, came in self.drawn if came]
         proved = [box for box in self.boxes if box.verdict == PROVED]
         lows = np.array([box.low for box in proved]).reshape(-1, len(self.window))

@@ -1,0 +1,323 @@
+"""Many intervals at once: arrays of floats, rounded outward, that answer as balls do.
+
+So the slopes of a plant (:mod:`.slopes`) and its motion over a period (:mod:`.motion`) are those of
+one box or of thousands. A result of IEEE 754 is off by less than the distance to its neighbour,
+which is where an end goes. Functions are those of Arb, end by end. A comparison holds where it does
+for certain of all of them.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import lru_cache
+from numbers import Rational
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+from numpy.typing import NDArray
+
+__all__ = ["Matrices", "Spans", "exact"]
+
+Vector = NDArray[np.float64]
+
+
+def _below(x: Any) -> Vector:
+    return np.asarray(np.nextafter(x, -np.inf))
+
+
+def _above(x: Any) -> Vector:
+    return np.asarray(np.nextafter(x, np.inf))
+
+
+@lru_cache(maxsize=4096)
+def exact(value: float | Rational) -> fmpq:
+    """Return a float or a rational, which it is exactly."""
+    number = Fraction(value)
+    return fmpq(number.numerator, number.denominator)
+
+
+def _ends(x: Any) -> tuple[float, float]:
+    """Return floats on both sides of a ball or a rational; both the same where it is a float."""
+    if not isinstance(x, arb):
+        return _float_of(fmpq(x), -math.inf), _float_of(fmpq(x), math.inf)
+    if not x.is_finite():
+        return -math.inf, math.inf
+    return _float_of(x.lower(), -math.inf), _float_of(x.upper(), math.inf)
+
+
+@lru_cache(maxsize=4096)
+def _of_rational(x: fmpq) -> Spans:
+    return Spans(*_ends(x))
+
+
+def _float_of(x: Any, way: float) -> float:
+    """Return the float that a number is, or its neighbour on one side."""
+    near = float(x)
+    if not math.isfinite(near):
+        return way
+    same = x == near if isinstance(x, arb) else exact(near) == x
+    return near if same else math.nextafter(near, way)
+
+
+class Spans:
+    """An array of intervals, with the methods of a ball.
+
+    Parameters
+    ----------
+    low, high : ndarray
+        Of one shape.
+    """
+
+    __slots__ = ("high", "low")
+    __array_ufunc__ = None
+
+    def __init__(self, low: Any, high: Any) -> None:
+        self.low, self.high = np.asarray(low, float), np.asarray(high, float)
+
+    @classmethod
+    def of(cls, x: Any) -> Spans:
+        """Return a number of any kind."""
+        if isinstance(x, Spans):
+            return x
+        if isinstance(x, float) or (isinstance(x, int) and abs(x) < 2**53):
+            return cls(float(x), float(x))
+        return _of_rational(x) if isinstance(x, fmpq) else cls(*_ends(x))
+
+    def __getitem__(self, index: Any) -> Spans:
+        if self.low.ndim == 0:
+            return self
+        return Spans(self.low[index], self.high[index])
+
+    def __neg__(self) -> Spans:
+        return Spans(-self.high, -self.low)
+
+    def __add__(self, other: Any) -> Spans:
+        other = Spans.of(other)
+        return Spans(_below(self.low + other.low), _above(self.high + other.high))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Spans:
+        return self + -Spans.of(other)
+
+    def __rsub__(self, other: Any) -> Spans:
+        found: Spans = -self + other
+        return found
+
+    def __mul__(self, other: Any) -> Spans:
+        return self._by_ends(operator.mul, Spans.of(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Spans:
+        other = Spans.of(other)
+        if np.any((other.low <= 0.0) & (other.high >= 0.0)):
+            return Spans(*np.broadcast_arrays(-np.inf, self.high)) * 0.0  # nothing is known: NaN
+        return self._by_ends(operator.truediv, other)
+
+    def __rtruediv__(self, other: Any) -> Spans:
+        found: Spans = Spans.of(other) / self
+        return found
+
+    def _by_ends(self, how: Callable[[Any, Any], Any], other: Spans) -> Spans:
+        """Return what is monotone in each of both: its extremes are at ends."""
+        found = [how(a, b) for a in (self.low, self.high) for b in (other.low, other.high)]
+        return Spans(_below(np.minimum.reduce(found)), _above(np.maximum.reduce(found)))
+
+    # --- comparisons: of all ---
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(np.all(self.high < Spans.of(other).low))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(np.all(self.high <= Spans.of(other).low))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(np.all(self.low > Spans.of(other).high))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(np.all(self.low >= Spans.of(other).high))
+
+    def __eq__(self, other: object) -> bool:
+        second = Spans.of(other)
+        return bool(np.all((self.low == self.high) & (second.low == second.high)
+                           & (self.low == second.low)))  # fmt: skip
+
+    __hash__ = None  # type: ignore[assignment]
+
+    # --- as a ball ---
+
+    def lower(self) -> Spans:
+        """Return the lower ends."""
+        return Spans(self.low, self.low)
+
+    def upper(self) -> Spans:
+        """Return the upper ends."""
+        return Spans(self.high, self.high)
+
+    def mid(self) -> Spans:
+        """Return a number in each."""
+        middle = np.clip(0.5 * self.low + 0.5 * self.high, self.low, self.high)
+        return Spans(middle, middle)
+
+    def rad(self) -> Spans:
+        """Return how far the ends are from :meth:`mid` at most."""
+        middle = self.mid().low
+        far = _above(np.maximum(self.high - middle, middle - self.low))
+        far = np.where(self.low == self.high, 0.0, far)
+        return Spans(far, far)
+
+    def abs_upper(self) -> Spans:
+        """Return the largest magnitudes."""
+        far = np.maximum(np.abs(self.low), np.abs(self.high))
+        return Spans(far, far)
+
+    def abs_lower(self) -> Spans:
+        """Return the smallest magnitudes."""
+        near = np.minimum(np.abs(self.low), np.abs(self.high))
+        near = np.where((self.low <= 0.0) & (self.high >= 0.0), 0.0, near)
+        return Spans(near, near)
+
+    def is_exact(self) -> bool:
+        """Tell whether all are points."""
+        return bool(np.all(self.low == self.high))
+
+    def is_finite(self) -> bool:
+        """Tell whether all have ends."""
+        return bool(np.all(np.isfinite(self.low) & np.isfinite(self.high)))
+
+    def union(self, other: Any) -> Spans:
+        """Return what holds both."""
+        other = Spans.of(other)
+        return Spans(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
+
+    def min(self, other: Any) -> Spans:
+        """Return the smaller of two."""
+        other = Spans.of(other)
+        return Spans(np.minimum(self.low, other.low), np.minimum(self.high, other.high))
+
+    def max(self, other: Any) -> Spans:
+        """Return the larger of two."""
+        other = Spans.of(other)
+        return Spans(np.maximum(self.low, other.low), np.maximum(self.high, other.high))
+
+    def chosen(self, which: Any, other: Any) -> Spans:
+        """Return those of some sets, and another number for the others."""
+        other = Spans.of(other)
+        return Spans(np.where(which, self.low, other.low), np.where(which, self.high, other.high))
+
+    def __getattr__(self, name: str) -> Callable[[], Spans]:
+        if name not in FUNCTIONS:
+            raise AttributeError(name)
+        return lambda: self._function(name)
+
+    def _function(self, name: str) -> Spans:
+        """Return a function: waves by a polynomial, others Arb's, interval by interval."""
+        if name in WAVES and bool(np.all(self.abs_upper().low <= WIDE)):
+            return self._wave(name)
+        pairs, where = np.unique(
+            np.stack([self.low.ravel(), self.high.ravel()], axis=1), axis=0, return_inverse=True
+        )
+        found = np.full_like(pairs, np.nan)
+        for row, (low, high) in enumerate(pairs):
+            if math.isfinite(high - low):
+                value = getattr(arb(low).union(arb(high)), name)()
+                found[row] = _ends(value) if value.is_finite() else np.nan
+        ends = found[where.ravel()].reshape(*self.low.shape, 2)
+        return Spans(ends[..., 0], ends[..., 1])
+
+    def _wave(self, name: str) -> Spans:
+        """Return sine or cosine: between the values at the ends, but for a top or a bottom."""
+        first, last = (_taylor(name, end) for end in (self.low, self.high))
+        low, high = np.minimum(first, last) - OFF, np.maximum(first, last) + OFF
+        for place, value in WAVES[name]:  # that are rounded by less than 1e-15
+            there = (self.low <= place + 1e-15) & (self.high >= place - 1e-15)
+            low = np.where(there & (value < 0), -1.0, low)
+            high = np.where(there & (value > 0), 1.0, high)
+        return Spans(np.maximum(low, -1.0), np.minimum(high, 1.0))
+
+
+FUNCTIONS = frozenset({
+    "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh", "sin", "cos", "tan",
+})  # fmt: skip
+"""Of one argument, named as Arb names them."""
+
+WIDE = 4.0
+"""Magnitude up to which waves are polynomials."""
+
+TERMS = 14
+
+WAVES = {
+    "sin": ((-0.5 * math.pi, -1), (0.5 * math.pi, 1)),
+    "cos": ((-math.pi, -1), (0.0, 1), (math.pi, -1)),
+}
+"""Places of their extremes up to there, and of which sign these are."""
+
+OFF = 2.0**-41
+"""By how much a polynomial is off at most: the magnitudes of terms add up to cosh 4 < 28, each
+goes through fewer than 60 roundings of 2⁻⁵³, and 4²⁸/28! < 2.4e-13 is left out."""
+
+
+def _taylor(name: str, x: Vector) -> Vector:
+    """Return Taylor's polynomial of a wave, of 14 terms."""
+    square, first = x * x, int(name == "sin")
+    total = np.zeros_like(x)
+    for k in reversed(range(TERMS)):
+        total = 1.0 / math.factorial(2 * k + first) - square * total
+    return np.asarray(total * x if first else total)
+
+
+class Matrices:
+    """A matrix of intervals for each set, by middles and radii, rows and columns last.
+
+    Parameters
+    ----------
+    near, far : ndarray, shape (..., rows, columns)
+        Of the entries.
+    """
+
+    def __init__(self, near: Vector, far: Vector) -> None:
+        self.near, self.far = near, far
+
+    @classmethod
+    def of(cls, rows: Sequence[Sequence[Any]]) -> Matrices:
+        """Return the matrices with some entries."""
+        entries = [[Spans.of(x) for x in row] for row in rows]
+        shape = np.broadcast_shapes(*(x.low.shape for row in entries for x in row))
+        low, high = np.empty((2, *shape, len(rows), len(rows[0])))
+        for i, row in enumerate(entries):
+            for j, x in enumerate(row):
+                low[..., i, j], high[..., i, j] = x.low, x.high
+        spans = Spans(low, high)
+        return cls(spans.mid().low, spans.rad().low)
+
+    @property
+    def rows(self) -> list[list[Spans]]:
+        """The entries."""
+        low, high = _below(self.near - self.far), _above(self.near + self.far)
+        return [[Spans(low[..., i, j], high[..., i, j]) for j in range(low.shape[-1])]
+                for i in range(low.shape[-2])]  # fmt: skip
+
+    def _rounded(self, near: Vector, far: Vector, size: Vector, count: int) -> Matrices:
+        """Return what was rounded so often, over a sum of magnitudes."""
+        off = count * 2.0**-52 * size + np.where(size > 0.0, 1e-300, 0.0)
+        return Matrices(near, (far + off) * (1.0 + 2.0**-40))
+
+    def __matmul__(self, other: Matrices) -> Matrices:
+        size, more = np.abs(self.near) + self.far, np.abs(other.near) + other.far
+        far = np.abs(self.near) @ other.far + self.far @ more
+        count = other.near.shape[-2] + 4
+        return self._rounded(self.near @ other.near, far, size @ more, count)
+
+    def __add__(self, other: Matrices) -> Matrices:
+        near = self.near + other.near
+        return self._rounded(near, self.far + other.far, np.abs(near), 2)
+
+    def divided(self, number: int) -> Matrices:
+        """Return a fraction."""
+        near = self.near / number
+        return self._rounded(near, self.far / number, np.abs(near) + self.far, 3)
