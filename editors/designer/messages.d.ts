@@ -277,18 +277,8 @@ declare namespace Messages {
     axes?: SurfaceAxes;
   }
 
-  /** A search; see `fuzzyarm.apps.designer.forms.TUNE`. */
-  interface TuneWork {
-    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
-  }
-
-  /** Many runs; see `fuzzyarm.apps.designer.forms.SWEEP`. */
-  interface SweepWork {
-    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
-  }
-
-  /** A rule base from samples; see `fuzzyarm.apps.designer.forms.FIT`. */
-  interface FitWork {
+  /** Work that takes a form alone; see `fuzzyarm.apps.designer.forms`. */
+  interface FormWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
@@ -718,6 +708,7 @@ declare namespace Messages {
     across: AxisData;
     up: AxisData;
     parts: Array<PartData>;
+    equal: boolean;
   }
 
   interface Commands {
@@ -783,12 +774,14 @@ declare namespace Messages {
     "learn": LearnWork;
     "table-error": TableErrorWork;
     "tunable": BareMessage;
-    "tune": TuneWork;
+    "tune": FormWork;
     "sheets": BareMessage;
     "sweepable": BareMessage;
-    "sweep": SweepWork;
+    "sweep": FormWork;
     "fittable": BareMessage;
-    "fit": FitWork;
+    "fit": FormWork;
+    "opened-loop": BareMessage;
+    "margins": FormWork;
     "provable": BareMessage;
     "prove": ProveWork;
     "run": RunWork;

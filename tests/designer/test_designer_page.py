@@ -655,7 +655,8 @@ def test_the_page_outlives_the_server(served, window):
           const { text } = designer, { open } = text;
           text.open = (...said) => {
             const at = text.view.state.selection.main.head;
-            text.view.dispatch({ changes: { from: at, insert: "# between\\n" }, selection: { anchor: at + 10 } });
+            const changes = { from: at, insert: "# between\\n" };
+            text.view.dispatch({ changes, selection: { anchor: at + 10 } });
             open(...said);
           };
         }"""

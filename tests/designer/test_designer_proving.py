@@ -143,3 +143,41 @@ def test_a_loop_is_bounded_for_a_time_from_its_starts(page):
     assert news["verdict"] == "proved", news["lines"]
     assert "for 0.02 s" in news["lines"][0]
     assert news["panels"]
+
+
+def test_a_map_of_starts_is_that_of_the_command_and_fills(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    asked = {"map": True, "over": "position in -1 .. 1, velocity in -4 .. 4", "plant": "motor"}
+    *growing, news = verdicts(page.do("prove", "servo.frb", **asked))
+    assert all(each["so_far"] and each["panels"] for each in growing)
+    assert (news["verdict"], news["so_far"], len(news["panels"])) == ("proved", False, 1)
+    words = ["prove", "servo.frb", "--plant", "motor", "--map", "--over", asked["over"]]
+    assert main(words) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert [line.strip() for line in news["lines"][0].splitlines()][1:] == [
+        line.strip() for line in printed[1 : len(news["lines"][0].splitlines())]
+    ]
+
+
+def test_margins_are_those_of_the_command(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    (facts,) = [news for news in page.do("opened-loop", "servo.frb") if "form" in news]
+    assert [each["name"] for each in facts["plants"] if each["fits"]] == ["motor"]
+    (news,) = verdicts(page.do("margins", "servo.frb"))
+    assert main(["margins", "servo.frb", "--plant", "motor"]) == 0
+    assert "\n".join(news["lines"]) == capsys.readouterr().out.strip()
+    assert [panel["equal"] for panel in news["panels"]] == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("file", "asked", "words", "field"),
+    [
+        ("pd7.frb", {}, "only the loop of a controller has margins", ""),
+        ("servo.frb", {"plant": "room"}, "room", "plant"),
+        ("servo.frb", {"share": "2"}, "share", "share"),
+    ],
+)
+def test_a_loop_without_margins_says_why(page, file, asked, words, field):
+    last = page.do("margins", file, **asked)[-1]
+    assert (last["end"], last["field"]) == ("failed", field), last
+    assert words in last["message"]

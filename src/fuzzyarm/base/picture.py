@@ -362,6 +362,8 @@ class Panel:
         Position of the legend: ``upper left`` and so on; empty for no legend.
     name : str
         Short name, for displays without room for axes.
+    equal : bool
+        Whether a unit is as long across as up.
     """
 
     parts: Sequence[ChartPart]
@@ -370,6 +372,7 @@ class Panel:
     title: str = ""
     key: str = ""
     name: str = ""
+    equal: bool = False
 
     def of(self, kind: type[_Kind]) -> list[_Kind]:
         """Return the parts of one kind."""
@@ -533,6 +536,7 @@ class PanelData(TypedDict):
     across: AxisData
     up: AxisData
     parts: list[PartData]
+    equal: bool
 
 
 def panel_data(panel: Panel) -> PanelData:
@@ -543,6 +547,7 @@ def panel_data(panel: Panel) -> PanelData:
         "across": _axis_data(across),
         "up": _axis_data(up),
         "parts": list(map(_chart_part_data, panel.parts)),
+        "equal": panel.equal,
     }
 
 

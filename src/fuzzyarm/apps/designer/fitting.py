@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.apps.designer.forms import FIT
 from fuzzyarm.apps.designer.grounds import FieldError, at_field
 from fuzzyarm.apps.designer.jobs import WindowJob
-from fuzzyarm.apps.designer.requests import BareMessage, FitWord, FitWork
+from fuzzyarm.apps.designer.requests import BareMessage, FitWord, FormWork
 from fuzzyarm.apps.designer.results import save_beside, tell_result
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.errors import FuzzyarmError
@@ -41,7 +41,7 @@ def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
     })  # fmt: skip
 
 
-def fit(session: Session, record: FitWork, job: WindowJob) -> None:
+def fit(session: Session, record: FormWork, job: WindowJob) -> None:
     """Learn, report, and write what the page saves, until it stops."""
     if not record.form.get("data"):
         raise FieldError("choose the samples to learn from", field="data")

@@ -22,13 +22,14 @@ from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import AnyRequest
 from fuzzyarm.requests.learn import FitRequest, LearnRequest
 from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.requests.margins import MarginsRequest
 from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.requests.runs import SweepRequest
 from fuzzyarm.requests.schema import form_fields
 from fuzzyarm.requests.tune import TuneRequest
 
 __all__ = [
-    "FIT", "FORMS", "LEARN", "PICTURES", "PROVE", "PROVE_LOOP", "RUN", "SWEEP", "TUNE",
+    "FIT", "FORMS", "LEARN", "MARGINS", "PICTURES", "PROVE", "PROVE_LOOP", "RUN", "SWEEP", "TUNE",
     "RequestForm", "export_form", "judged",
 ]  # fmt: skip
 
@@ -125,12 +126,20 @@ PROVE = RequestForm(
 )
 PROVE_LOOP = RequestForm(
     ProveRequest,
-    ("claim", "plant", "stable", "duration", "from", "with", "at", "sector", "continuous",
-     "budget"),
+    ("claim", "plant", "stable", "map", "over", "duration", "from", "with", "at", "sector",
+     "continuous", "budget"),
     ("connect", "quantise", "sensor_delay"),
     title="connections and sensors",
 )  # fmt: skip
 """Of a rule base, and of a controller in its loop."""
+
+MARGINS = RequestForm(
+    MarginsRequest,
+    ("plant", "at", "with", "share", "budget"),
+    ("connect", "sensor_delay"),
+    open="file",
+    title="connections and sensors",
+)
 
 WRITTEN_TABLES = (".lut", ".csv", ".tex")
 PICTURES = (".png", ".svg")
@@ -158,6 +167,7 @@ FORMS: Mapping[str, RequestForm[Any]] = {
     "fit": FIT,
     "prove": PROVE,
     "prove-loop": PROVE_LOOP,
+    "margins": MARGINS,
 }
 """By the work that they ask for."""
 

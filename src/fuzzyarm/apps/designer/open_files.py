@@ -64,6 +64,8 @@ WORKS: dict[str, Work] = {
     "sweep": _later("sweeping", "sweep"),
     "fittable": _later("fitting", "fittable"),
     "fit": _later("fitting", "fit"),
+    "opened-loop": _later("margins", "opened"),
+    "margins": _later("margins", "margins"),
     "provable": _later("proving", "provable"),
     "prove": _later("proving", "prove"),
     "sheets": _later("diagram", "sheets"),

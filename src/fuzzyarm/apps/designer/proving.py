@@ -29,7 +29,7 @@ from fuzzyarm.requests.prove import ProveRequest
 if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.language.model.claims import LoopClaim
-    from fuzzyarm.proof.loop import LoopVerdict
+    from fuzzyarm.proof.loop import LoopVerdict, StartMap
     from fuzzyarm.proof.map import Verdict
 
 BUDGET = 60.0
@@ -174,6 +174,8 @@ class _LoopProof:
         request = self.request
         if request.sector:
             self._sectors()
+        elif request.map:
+            self._map()
         elif request.duration is not None and request.claim is None:
             self._tube()
         else:
@@ -249,6 +251,23 @@ class _LoopProof:
         charts = [tube_chart(way, statement, None)] if way.complete else []
         verdict = "proved" if way.complete and not way.open else "undecided"
         tell_result(self.job, lines, charts, verdict=verdict)
+
+    def _map(self) -> None:
+        """Map the starts, and draw the map as it fills."""
+        from fuzzyarm.apps.show.start_map import map_chart
+        from fuzzyarm.proof.loop.orders import map_of
+
+        def watch(found: StartMap) -> None:
+            self.job.progress(f"{100.0 * found.decided:.3g} % decided so far")
+            tell_result(self.job, [], [map_chart(found)], so_far=True)
+
+        request = self._with_plant()
+        self._require_plant(request.plant or "")
+        with at_field("over"):
+            found = map_of(request, self.text, watch)
+        open_ = any(box.verdict == "open" for box in found.boxes)
+        lines = [str(found), f"  {found.seconds:.1f} s"]
+        tell_result(self.job, lines, [map_chart(found)], verdict="undecided" if open_ else "proved")
 
     def _sectors(self) -> None:
         """Prove the static part: ranges, limits, gains and sectors of the drives."""

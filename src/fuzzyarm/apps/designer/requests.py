@@ -515,22 +515,8 @@ class LearnWork:
 
 
 @dataclass(frozen=True)
-class TuneWork:
-    """A search; see `fuzzyarm.apps.designer.forms.TUNE`."""
-
-    form: FormValues = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class SweepWork:
-    """Many runs; see `fuzzyarm.apps.designer.forms.SWEEP`."""
-
-    form: FormValues = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class FitWork:
-    """A rule base from samples; see `fuzzyarm.apps.designer.forms.FIT`."""
+class FormWork:
+    """Work that takes a form alone; see `fuzzyarm.apps.designer.forms`."""
 
     form: FormValues = field(default_factory=dict)
 
@@ -557,12 +543,14 @@ WORKS: Mapping[str, type] = {
     "learn": LearnWork,
     "table-error": TableErrorWork,
     "tunable": BareMessage,
-    "tune": TuneWork,
+    "tune": FormWork,
     "sheets": BareMessage,
     "sweepable": BareMessage,
-    "sweep": SweepWork,
+    "sweep": FormWork,
     "fittable": BareMessage,
-    "fit": FitWork,
+    "fit": FormWork,
+    "opened-loop": BareMessage,
+    "margins": FormWork,
     "provable": BareMessage,
     "prove": ProveWork,
     "run": RunWork,

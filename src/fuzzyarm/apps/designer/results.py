@@ -19,9 +19,11 @@ def tell_result(
     *,
     verdict: str = "",
     files: Mapping[str, bytes] | None = None,
+    so_far: bool = False,
 ) -> None:
-    """Tell a result."""
+    """Tell a result; another one takes the place of what is so far."""
     job.tell({
+        "so_far": so_far,
         "verdict": verdict,
         "lines": list(lines),
         "panels": [panel for chart in charts for panel in chart_data(chart)],

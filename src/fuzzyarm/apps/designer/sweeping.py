@@ -10,7 +10,7 @@ from fuzzyarm.apps.designer.faults import TextRefusedError
 from fuzzyarm.apps.designer.forms import SWEEP
 from fuzzyarm.apps.designer.grounds import FieldError, at_field, plant_named, plants_for, request_on
 from fuzzyarm.apps.designer.jobs import StoppedError, WindowJob
-from fuzzyarm.apps.designer.requests import BareMessage, SweepWord, SweepWork
+from fuzzyarm.apps.designer.requests import BareMessage, FormWork, SweepWord
 from fuzzyarm.apps.designer.results import tell_result
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.names import printable
@@ -56,7 +56,7 @@ def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
     return controller, source_of(controller).model
 
 
-def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
+def sweep(session: Session, record: FormWork, job: WindowJob) -> None:
     """Run, and tell what came of it."""
     from fuzzyarm.apps.show.sweep import sweep_lines
     from fuzzyarm.control.loop.many import many_of
@@ -85,7 +85,7 @@ def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
             raise StoppedError("stopped")
 
 
-def _plan(session: Session, record: SweepWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
+def _plan(session: Session, record: FormWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
     """Return the request and its runs; a mistake is said at its field."""
     from fuzzyarm.control.loop.sweeps import sweep_of
 

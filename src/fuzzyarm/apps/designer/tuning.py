@@ -27,7 +27,7 @@ from fuzzyarm.apps.designer.grounds import (
     seconds_of,
 )
 from fuzzyarm.apps.designer.jobs import TELL_EVERY, WindowJob
-from fuzzyarm.apps.designer.requests import BareMessage, TuneWord, TuneWork
+from fuzzyarm.apps.designer.requests import BareMessage, FormWork, TuneWord
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.apps.show.search import cost_panel
 from fuzzyarm.base.diagnostic import RuleBaseError
@@ -119,7 +119,7 @@ class PageOrder(NamedTuple):
     """Plants that were named on the command line."""
 
 
-def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
+def order_of(session: Session, work: FormWork, job: WindowJob) -> PageOrder:
     """Read what a page asks for; GroundsError if something is out of range, or would run a file."""
     from fuzzyarm.learning.tuning.cost import read_cost
     from fuzzyarm.learning.tuning.orders import longest
@@ -164,7 +164,7 @@ def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
 # --- Here: what a page hears ---
 
 
-def tune(session: Session, request: TuneWork, job: WindowJob) -> None:
+def tune(session: Session, request: FormWork, job: WindowJob) -> None:
     """Search and report until the page stops."""
     order = order_of(session, request, job)
     prepared(order)  # what does not fit is said at once

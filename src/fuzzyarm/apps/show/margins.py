@@ -1,4 +1,4 @@
-"""Bode and Nyquist diagrams of a loop opened at a drive, with its margins."""
+"""Margins of a loop opened at a drive: in words, and as Bode and Nyquist diagrams."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fuzzyarm.apps.show.diagram import time_text
+from fuzzyarm.base.columns import in_columns
 from fuzzyarm.base.picture import COLOURS, Axis, Chart, ChartPart, Dots, Level, Line, Panel
 
 if TYPE_CHECKING:
-    from fuzzyarm.proof.loop.margins import DriveMargins
+    from fuzzyarm.proof.loop.margins import DriveMargins, Margins, WorstMargins
 
-__all__ = ["margins_chart"]
+__all__ = ["margin_lines", "margins_chart"]
 
 POINTS = 600
 NEAREST = 3.0
@@ -95,6 +97,72 @@ def _nyquist_panel(each: DriveMargins, values: np.ndarray) -> Panel:
         parts.insert(1, Line(np.cos(angle) / peak - 1.0, np.sin(angle) / peak, COLOURS[3], 0.8))
         title = f"peak sensitivity {peak:.3g}"
     wide = Axis("real part", low=-NEAREST, high=0.5 * NEAREST)
-    return Panel(
-        parts, wide, Axis("imaginary part", low=-0.75 * NEAREST, high=0.75 * NEAREST), title
-    )
+    high = Axis("imaginary part", low=-0.75 * NEAREST, high=0.75 * NEAREST)
+    return Panel(parts, wide, high, title, equal=True)
+
+
+# --- In words ---
+
+
+def margin_lines(each: DriveMargins) -> list[str]:
+    """Return the margins at a drive in words."""
+    nominal, worst = each.nominal, each.worst
+    head = f"opened at '{each.drive[1]}'"
+    if not nominal.stable:
+        return [f"{head}: not stable, the spectral radius is {each.loop.radius:.6g}"]
+    beside = worst.margins if worst is not None and worst.margins.stable else None
+    rows = [("", "at rest", "worst over the gains of the rules" if beside else "")]
+    for name, words in _WORDS.items():
+        rows.append((name, words(nominal), words(beside) if beside else ""))
+    return [head, *in_columns(rows, indent="  "), *_gain_lines(worst)]
+
+
+def _gain_lines(worst: WorstMargins | None) -> list[str]:
+    if worst is None:
+        return ["  no bounds of the rules' gains: at rest only"]
+    ends = [f"  {gain.words}: {gain.low:.4g} .. {gain.high:.4g}" for gain in worst.gains]
+    if worst.margins.stable:
+        return ["  with gains of the rules in", *(f"  {line}" for line in ends)]
+    at = ", ".join(f"{value:.4g}" for value in worst.where["stable"])
+    return [
+        "  not stable for all gains of the rules in",
+        *(f"  {e}" for e in ends),
+        f"  not at {at}",
+    ]
+
+
+def _at(omega: float | None) -> str:
+    return "" if omega is None else f" at {omega:.4g} rad/s"
+
+
+def _gain(margins: Margins) -> str:
+    assert margins.gain is not None
+    assert margins.gain_down is not None
+    if math.isinf(margins.gain):
+        return f"from {margins.gain_down:.4g}"
+    decibels = 20.0 * math.log10(margins.gain)
+    return f"{margins.gain_down:.4g} .. {margins.gain:.4g}, {decibels:.2f} dB{_at(margins.gain_at)}"
+
+
+def _phase(margins: Margins) -> str:
+    assert margins.phase is not None
+    if math.isinf(margins.phase):
+        return "the gain never reaches 1"
+    return f"{margins.phase:.4g}°{_at(margins.phase_at)}"
+
+
+def _delay(margins: Margins) -> str:
+    assert margins.delay is not None
+    return "any" if math.isinf(margins.delay) else time_text(float(f"{margins.delay:.4g}"))
+
+
+def _sensitivity(margins: Margins) -> str:
+    return f"{margins.sensitivity:.4g}{_at(margins.sensitivity_at)}"
+
+
+_WORDS = {
+    "gain": _gain,
+    "phase": _phase,
+    "dead time": _delay,
+    "peak sensitivity": _sensitivity,
+}

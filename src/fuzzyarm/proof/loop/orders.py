@@ -386,6 +386,11 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
     text = above.function("controller_if_any")(request.file)
     if text is None:
         raise WordError(f"{request.file} is not a controller, and only a loop has margins")
+    return margins_of_text(text, request)
+
+
+def margins_of_text(text: ControllerText, request: MarginsRequest) -> list[DriveMargins]:
+    """Return the margins of the loop of a controller, whatever its file says by now."""
     plant = request.plant
     if plant is None:
         site = site_by_axes(text.model, connections(ExperimentRequest(connect=request.connect)))

@@ -6,6 +6,7 @@ import { FILES } from "./files.js";
 import { FIT } from "./fit.js";
 import { DESIGN } from "./frame.js";
 import { LEARN } from "./learn.js";
+import { MARGINS } from "./margins.js";
 import { PROVE } from "./prove.js";
 import { RUN } from "./run.js";
 import { SWEEP } from "./sweep.js";
@@ -14,7 +15,7 @@ import { TUNE } from "./tune.js";
 import { expose, openWindow } from "./window.js";
 
 const DRAWN = { ...DESIGN, panes: [...DESIGN.panes, DiagramPane] };
-const VIEWS = [DRAWN, RUN, TABLE, SWEEP, LEARN, FIT, TUNE, PROVE, COMPARE, FILES];
+const VIEWS = [DRAWN, RUN, TABLE, SWEEP, LEARN, FIT, TUNE, PROVE, MARGINS, COMPARE, FILES];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 expose(openWindow(start, VIEWS));

@@ -7,7 +7,9 @@ import { S } from "./strings.js";
 
 const JUDGED = { check: "change", choice: "change", lines: "input", text: "input" };
 /** @param {Messages.FormField} field */
-const titleOf = ({ name, title }) => S.fields[name]?.[0] ?? title;
+const wordsOf = ({ name, placeholder }) => S.fields[`${name} ${placeholder}`] ?? S.fields[name] ?? [];
+/** @param {Messages.FormField} field */
+const titleOf = (field) => wordsOf(field)[0] ?? field.title;
 let forms = 0; // each has ids of its own
 
 export class Form {
@@ -69,7 +71,7 @@ export class Form {
     if (kind === "choice") return select(choicesOf(field, { usual: S.usual, yes: S.yes, no: S.no }), shown);
     const plain = { value: shown, spellcheck: false, autocomplete: "off" };
     const isNumber = ["integer", "number"].includes(typeOf(field));
-    const [, example = ""] = S.fields[field.name] ?? [];
+    const [, example = ""] = wordsOf(field);
     const placeholder = example || (isOptional(field) ? S.usual : "");
     if (kind === "lines") return el("textarea", { ...plain, rows: 2, cols: 30, placeholder: S.oneALine });
     return el("input", {

@@ -345,6 +345,7 @@ function cells({ g, toX, toY }, part) {
   const [across, up] = [edgesOf(x, columns), edgesOf(y, rows)];
   g.font = FONTS.small;
   g.textAlign = "center";
+  const gap = Math.abs(toX(across[columns]) - toX(across[0])) > 6 * columns ? 0.5 : -0.5; // small cells leave none
   values.forEach((value, k) => {
     const [i, j] = [k % columns, Math.floor(k / columns)];
     const [x0, x1] = [toX(across[i]), toX(across[i + 1])];
@@ -355,7 +356,7 @@ function cells({ g, toX, toY }, part) {
     const shade = shadeOf(value, part);
     if (!isBare) {
       g.fillStyle = `rgb(${shade.join(" ")})`;
-      g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
+      g.fillRect(x0, y0, x1 - x0 - gap, y1 - y0 - gap);
     }
     const said = wordsOf(value, part.value).find((each) => g.measureText(each).width <= x1 - x0 - 2);
     if (!said || y1 - y0 < 12) return;

@@ -34,7 +34,9 @@ export const S = {
     sweep: ["Ranges", "G_e=2..60:12"],
     random: ["Runs drawn at random"],
     metric: ["Metric", "rms"],
-    map: ["Axes of the map", "G_e,J"],
+    "map X,Y": ["Axes of the map", "G_e,J"],
+    map: ["Map of the starts"],
+    "over WINDOW": ["Window of the map", "position in -1 .. 1"],
     inputs: ["Columns of the inputs", "a,b"],
     series: ["Samples in order of time"],
     rules: ["Rules at most"],
@@ -56,6 +58,7 @@ export const S = {
     exact: ["In exact fractions"],
     claim: ["Claim", "stable on motor"],
     stable: ["Stability"],
+    share: ["Share of the ranges", "1"],
     from: ["Starts", "position in -1 .. 1"],
     with: ["Parameters of the plant", "J in 0.01 .. 0.02"],
     at: ["Set points", "position=1"],
@@ -342,10 +345,11 @@ export const S = {
       rows: [],
     },
     {
-      title: "Sweep, Fit and Prove",
+      title: "Sweep, Fit, Prove and Margins",
       view: "prove",
       words: [
-        "Many runs over ranges, with a map; a rule base from samples; verdicts on `prove` lines, bounds, sectors and loops.",
+        "Many runs over ranges, with a map; a rule base from samples; verdicts on `prove` lines, bounds, sectors and loops, and a " +
+          "map of the starts that are proved to come to rest; gain, phase and delay margins of a loop.",
       ],
       rows: [],
     },
@@ -613,6 +617,11 @@ export const S = {
   certificateHint:
     "Certify what is proved of a loop; fuzzyarm prove --check asks such a file whether it proves what it says",
   proveEnds: { done: "All is judged.", stopped: "Stopped." },
+  margins: "Margins",
+  marginsReady:
+    "The loop is linearised at rest and opened at each drive: gain, phase and dead time until it is unstable.",
+  marginsEnds: { done: "Done.", stopped: "Stopped." },
+  noMargins: "Only the loop of a controller has margins.",
   toLoad: "To load:",
   sweep: "Sweep",
   sweepEnds: { done: "Done.", stopped: "Stopped." },

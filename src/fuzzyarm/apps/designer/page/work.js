@@ -189,11 +189,13 @@ export class ResultWork extends Work {
 
   take(news) {
     if (news.doing) this.say(news.doing);
-    if (news.lines) this.add(news);
+    if (!news.lines) return;
+    this.results.querySelector(".so-far")?.remove();
+    this.add(news);
   }
 
   /** A result: its lines, its pictures below them, and what can be loaded. */
-  add({ verdict, lines, panels, files = [] }) {
+  add({ verdict, lines, panels, files = [], so_far: isSoFar = false }) {
     const pictures = panels.map((panel) => {
       const body = el("div", { class: "picture" });
       const { canvas } = stage(this.store, body, () => drawPanel(canvas, panel));
@@ -205,7 +207,8 @@ export class ResultWork extends Work {
     const links = files.map(({ name, address }) => el("a", { href: address, download: name, textContent: name }));
     const row = links.length ? [el("p", { class: "loads" }, `${S.toLoad} `, ...links)] : [];
     const drawn = el("div", { class: "drawn" }, ...pictures);
-    this.results.append(el("div", { class: `verdict ${verdict}`.trim() }, words, ...row, drawn));
+    const looks = `verdict ${verdict} ${isSoFar ? "so-far" : ""}`.trim();
+    this.results.append(el("div", { class: looks }, ...(lines.length ? [words] : []), ...row, drawn));
   }
 }
 

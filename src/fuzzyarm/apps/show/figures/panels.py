@@ -129,6 +129,15 @@ def draw_panel(axes: Axes, panel: Panel, room: tuple[float, float] = (3.4, 3.4))
         axes.tick_params(labelsize=8)
     else:
         tidy(axes)
+    _scale(axes, panel)
+    across, up = _words(panel.across, 0.85 * room[0]), _words(panel.up, 0.6 * room[1], 2)
+    label_axes(axes, across, up, panel.title)
+    if panel.key:
+        axes.legend(fontsize=KEY, frameon=False, loc=panel.key)  # type: ignore[call-overload]
+
+
+def _scale(axes: Axes, panel: Panel) -> None:
+    """Give both axes their scales, ends and ticks."""
     for which, axis in (("x", panel.across), ("y", panel.up)):
         if axis.logarithmic:
             axes.set(**{f"{which}scale": "log"})
@@ -136,14 +145,12 @@ def draw_panel(axes: Axes, panel: Panel, room: tuple[float, float] = (3.4, 3.4))
         axes.set_xlim(panel.across.low, panel.across.high)
     if (panel.up.low, panel.up.high) != (None, None):
         axes.set_ylim(panel.up.low, panel.up.high)
+    if panel.equal:
+        axes.set_aspect("equal")
     for which, axis in (("x", panel.across), ("y", panel.up)):
         if axis.logarithmic:
             low, high = axes.get_xlim() if which == "x" else axes.get_ylim()
             plain_powers(axes, which, low, high)
-    across, up = _words(panel.across, 0.85 * room[0]), _words(panel.up, 0.6 * room[1], 2)
-    label_axes(axes, across, up, panel.title)
-    if panel.key:
-        axes.legend(fontsize=KEY, frameon=False, loc=panel.key)  # type: ignore[call-overload]
 
 
 def _words(axis: Axis, room: float, most: int = 4) -> str:

@@ -99,7 +99,7 @@ export function shareOf(value, axis) {
 /**
  * Where a plot lies on a canvas, and its scales both ways. Cells whose first row stands at the top turn the axis over.
  *
- * @param {{ across: Axis, up: Axis, parts: any[], title: string }} panel
+ * @param {{ across: Axis, up: Axis, parts: any[], title: string, equal?: boolean }} panel
  * @param {number} width pixels
  * @param {number} height pixels
  * @param {number} rows of labels above the plot
@@ -113,6 +113,12 @@ export function layoutOf(panel, width, height, rows) {
     right: width - (hasBar ? ROOM.bar : ROOM.right),
     bottom: height - ROOM.bottom,
   };
+  if (panel.equal) {
+    const [wide, high] = [panel.across, panel.up].map((axis) => axis.high - axis.low);
+    const unit = Math.min((inside.right - inside.left) / wide, (inside.bottom - inside.top) / high);
+    inside.right = inside.left + unit * wide;
+    inside.top = inside.bottom - unit * high;
+  }
   const upward = cells?.downward ? [inside.top, inside.bottom] : [inside.bottom, inside.top];
   return {
     inside,

@@ -47,7 +47,8 @@ export function linePanel({ xs, z }, input, output) {
     { is: "level", at: input.at, upright: true, tone: "soft", width: 0.6, dash: "--" },
     { is: "dots", x: [input.at], y: numbersOf([output.at]), sign: "o", size: 7, tone: "lit" },
   ];
-  return { title: "", across: axisOf(input.name, input.range), up: axisOf(output.name, output.range), parts };
+  const [across, up] = [axisOf(input.name, input.range), axisOf(output.name, output.range)];
+  return { title: "", across, up, parts, equal: false };
 }
 
 /**
@@ -74,7 +75,7 @@ export function planePanel({ xs, ys, z }, inputs, output) {
     ...rulings,
     { is: "dots", x: [inputs[0].at], y: [inputs[1].at], sign: "+", size: 6, tone: "mark" },
   ];
-  return { title: "", across, up, parts };
+  return { title: "", across, up, parts, equal: false };
 }
 
 /**
