@@ -19,7 +19,7 @@ from fuzzyarm.control.controllers.floats import ReferenceRun
 from fuzzyarm.control.controllers.period import PortValue
 from fuzzyarm.control.controllers.text import PortError, with_files
 from fuzzyarm.control.loop import Options, Sensor
-from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.setting import Clock, Reference, State

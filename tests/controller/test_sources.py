@@ -25,7 +25,7 @@ from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.reach import reaches_of
 from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.control.loop.analysis import AnalysisError, describing_function
-from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.edit import coloured, complete, hover, read

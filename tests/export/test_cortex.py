@@ -7,7 +7,7 @@ import pytest
 from controller_programs import recorded, shipped_text
 from cortex_programs import need_cortex, run_on_cortex
 
-from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 
 PERIODS = 2_000
 

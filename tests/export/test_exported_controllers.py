@@ -36,8 +36,8 @@ from fuzzyarm.exchange.export import (
     write,
 )
 from fuzzyarm.exchange.export.controller_lowering import controller_program
-from fuzzyarm.exchange.export.steps import steps_of
 from fuzzyarm.exchange.export.trial import EvaluatedController
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.symbolic.identifiers import identifier
 from fuzzyarm.table import compile_table
 

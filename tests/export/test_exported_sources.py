@@ -16,7 +16,7 @@ from own_source import WORD, controller, register, whole
 
 from fuzzyarm.apps.cli import main
 from fuzzyarm.exchange.export import ControllerProgram, export_controller
-from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.symbolic.identifiers import identifier
 from fuzzyarm.symbolic.sources import SOURCES
 

@@ -15,7 +15,7 @@ from st_programs import Program
 
 from fuzzyarm.exchange.export import ControllerProgram, export_controller
 from fuzzyarm.exchange.export.c import TestSequence as Sequence
-from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 
 GAP = """
 rulebase gap

@@ -4,7 +4,7 @@ Every reading of a controller's lines is this walk with an algebra of its own: f
 (:mod:`fuzzyarm.control.controllers.floats`, the reference to which the machine code is compared),
 ranges (:mod:`fuzzyarm.control.controllers.reach`), affine forms and zonotopes
 (:mod:`fuzzyarm.proof.loop`), laws with slopes (:mod:`fuzzyarm.proof.map.walk`), and the steps of
-an exported program (:mod:`fuzzyarm.exchange.export.steps`). The compiled loop
+an exported program (:mod:`fuzzyarm.exchange.export.walk_of_steps`). The compiled loop
 (:mod:`fuzzyarm.control.controllers.program`) and the checker of certificates are written
 independently of it.
 

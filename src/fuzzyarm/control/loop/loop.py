@@ -183,13 +183,11 @@ def run_loop(block: LoopBlock) -> None:
     board, state, clock, progress = block.board, block.state, block.clock, block.progress
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
     # With ideal sensors the plant writes its outputs straight into the observation.
-    drives = board[frame.driven :]
-    outputs = board[frame.true : frame.driven]
+    drives, outputs = board[frame.driven :], board[frame.true : frame.driven]
     if len(sensors) == 0:
         outputs = board[frame.seen : frame.told]
-    size = links[BLOCK]
     errors = clock[CLOCK_SIZE + CHANGES * frame.drives :]
-    tracked = len(errors) // ERRORS
+    size, tracked = links[BLOCK], len(errors) // ERRORS
     random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
     samples, tick = progress[SAMPLES], progress[TICK]
     progress[LOST] = progress[LOST_AT] = -1

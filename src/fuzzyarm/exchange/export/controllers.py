@@ -15,9 +15,10 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.exchange.export.c import TestSequence
 from fuzzyarm.exchange.export.controller_lowering import controller_program
-from fuzzyarm.exchange.export.steps import RoutineOptions, Steps, StepVariable, steps_of
+from fuzzyarm.exchange.export.steps import Steps, StepVariable
 from fuzzyarm.exchange.export.table import FixedTable
 from fuzzyarm.exchange.export.trial import EvaluatedController, trial
+from fuzzyarm.exchange.export.walk_of_steps import RoutineOptions, steps_of
 from fuzzyarm.language.model.controller import Line, SignalLine, Source
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable

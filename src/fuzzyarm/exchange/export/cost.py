@@ -15,7 +15,8 @@ from typing import NamedTuple
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.exchange.export.listing import operations_of
 from fuzzyarm.exchange.export.rulebase import DirectRoutine
-from fuzzyarm.exchange.export.steps import Ask, Find, Set, Step, Steps, Teach, steps_of
+from fuzzyarm.exchange.export.steps import Ask, Find, Set, Step, Steps, Teach
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import Layout
 from fuzzyarm.inference.layout import lay_out

@@ -1,0 +1,93 @@
+"""What follows from the form of an expression: what it carries, may be, or has in common."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Collection, Sequence
+
+from fuzzyarm.symbolic.evaluation import specialise
+from fuzzyarm.symbolic.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Symbol,
+    apply,
+    children,
+    postorder,
+)
+from fuzzyarm.symbolic.operations import OPERATIONS
+
+_CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}
+"""Operations that are not a number where an argument is not."""
+
+
+def carried(value: Node) -> set[str]:
+    """Return the symbols of which one that is not a number makes that of a value."""
+    if isinstance(value, Symbol):
+        return {value.name}
+    if isinstance(value, Apply) and value.operation in _CARRYING:
+        return set[str]().union(*map(carried, value.arguments))
+    return set()
+
+
+NOT_A_NUMBER, _LOW, _HIGH = "nan", "-inf", "inf"
+
+
+def endless(value: Node, states: Collection[str]) -> set[str]:
+    """Return which of NaN, -inf and inf a value may be, by its form; states are finite."""
+    if isinstance(value, Constant):
+        return set() if math.isfinite(value.value) else {NOT_A_NUMBER, _LOW, _HIGH}
+    if isinstance(value, Symbol):
+        # Signals and values that are read are numbers, what is found on the way need not be.
+        ways = {NOT_A_NUMBER, _LOW, _HIGH} if value.name.startswith("local:") else {_LOW, _HIGH}
+        return set() if value.name in states else ways
+    if not isinstance(value, Apply) or value.operation != "where":
+        return {NOT_A_NUMBER, _LOW, _HIGH}
+    condition, then, otherwise = value.arguments
+    ways = endless(then, states)
+    # Of two that are compared the smaller one is not inf, and neither is NaN.
+    if isinstance(condition, Apply) and condition.operation in {"less", "less_equal"}:
+        small, large = condition.arguments
+        if then is small:
+            ways -= {NOT_A_NUMBER, _HIGH}
+        elif then is large:
+            ways -= {NOT_A_NUMBER, _LOW}
+    return ways | endless(otherwise, states)
+
+
+def folded(node: Node) -> Node:
+    """Return a number in place of an operation of numbers."""
+    assert isinstance(node, Apply)
+    known = all(isinstance(argument, Constant) for argument in node.arguments)
+    return specialise(node, {}) if known else node
+
+
+def without_endless_limits(root: Node) -> Node:
+    """Return an expression without limits at infinity, which change no number."""
+    nodes: dict[Node, Node] = {}
+    for node in postorder(root):
+        nodes[node] = (
+            apply(node.operation, *(nodes[child] for child in node.arguments))
+            if isinstance(node, Apply)
+            else node
+        )
+        if isinstance(node, Apply) and node.operation == "where":
+            condition, value, limit = node.arguments
+            endless = isinstance(limit, Constant) and math.isinf(limit.value)
+            compared = condition.arguments if isinstance(condition, Apply) else ()
+            if endless and set(compared) == {value, limit}:
+                nodes[node] = nodes[value]
+    return nodes[root]
+
+
+def shared(roots: Sequence[Node]) -> Node | None:
+    """Return an innermost part used more than once; a condition does not become a variable."""
+    nodes = list(postorder(*roots))
+    uses = Counter(child for node in nodes for child in children(node))
+    uses.update(roots)
+    for node in nodes:
+        condition = isinstance(node, Apply) and OPERATIONS[node.operation].is_condition
+        if isinstance(node, Apply) and uses[node] > 1 and not condition:
+            return node
+    return None
