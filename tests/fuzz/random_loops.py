@@ -65,7 +65,7 @@ from fuzzyarm.control.loop.course import Options, Sensor  # noqa: E402
 from fuzzyarm.language.model.claims import LoopClaim  # noqa: E402
 from fuzzyarm.plant.own import find_plant  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
-from fuzzyarm.proof.check import check_certificate  # noqa: E402
+from fuzzyarm.proof.check import Checked, check_certificate  # noqa: E402
 from fuzzyarm.proof.check.certificate import sealed  # noqa: E402
 from fuzzyarm.proof.claim.text import loop_sentence  # noqa: E402
 from fuzzyarm.proof.loop import (  # noqa: E402
@@ -911,30 +911,39 @@ def judge_endless(bench: Bench) -> None:
 PERIODS = 300
 
 
-def demand_stable(bench: Bench, verdict: LoopVerdict, box: Box, parameters: Box) -> None:
+def demand_stable(bench: Bench, verdict: LoopVerdict | Checked, box: Box, parameters: Box) -> None:
     """Runs from a proved region, and from the starts of the claim, come to rest."""
     if verdict.continuous:
         return
-    if verdict.tube is None:
+    arrival = arrival_of(bench, verdict)
+    if arrival is None:
         demand_region(bench, verdict)
-    if box or verdict.tube is not None:
+    if box or arrival is not None:
         states, values = bench.starts(box, parameters, 200)
         course = bench.run(states, values, _long(bench, verdict))
         assert not course.lost.any(), "stable, and the controller has no value in a run"
         demand_at_rest(bench, verdict, course)
 
 
-def _long(bench: Bench, verdict: LoopVerdict) -> int:
+def arrival_of(bench: Bench, verdict: LoopVerdict | Checked) -> float | None:
+    """Return when all runs are in the region; None: they begin there."""
+    if isinstance(verdict, Checked):
+        tubes = verdict.certificate.tubes
+        return max(tube.periods for tube in tubes) * bench.loop.period if tubes else None
+    return verdict.tube.arrival if verdict.tube is not None else None
+
+
+def _long(bench: Bench, verdict: LoopVerdict | Checked) -> int:
     """Return periods after which V has fallen to a millionth, or as many as we run."""
     fall = max(verdict.fall, 1e-6)
-    arrival = verdict.tube.arrival if verdict.tube is not None else 0.0
+    arrival = arrival_of(bench, verdict)
     return min(1500, math.ceil(14.0 / fall) + math.ceil((arrival or 0.0) / bench.loop.period) + 10)
 
 
-def demand_at_rest(bench: Bench, verdict: LoopVerdict, course: Course) -> None:
+def demand_at_rest(bench: Bench, verdict: LoopVerdict | Checked, course: Course) -> None:
     """Where V falls by a share in each period, states are so near to rest by the end."""
     names = bench.loop.plant.states
-    arrival = verdict.tube.arrival if verdict.tube is not None else 0.0
+    arrival = arrival_of(bench, verdict)
     left = len(course.drives) - math.ceil((arrival or 0.0) / bench.loop.period) - 1
     share = math.sqrt((1.0 - verdict.fall) ** max(left, 0))
     for k, name in enumerate(names):
@@ -946,7 +955,7 @@ def demand_at_rest(bench: Bench, verdict: LoopVerdict, course: Course) -> None:
         assert off <= reach + room, ("false proof: not at rest", name, off, reach)
 
 
-def demand_region(bench: Bench, verdict: LoopVerdict) -> None:
+def demand_region(bench: Bench, verdict: LoopVerdict | Checked) -> None:
     """V ≤ 1 is not left, and V falls by its share in each period."""
     certificate = verdict.certificate
     assert certificate is not None
@@ -1007,7 +1016,7 @@ def demand_region(bench: Bench, verdict: LoopVerdict) -> None:
     return None
 
 
-def _demand_along(bench: Bench, verdict: LoopVerdict) -> None:
+def _demand_along(bench: Bench, verdict: LoopVerdict | Checked) -> None:
     """Runs that begin along one state, the memory as it begins, stay in the region and fade."""
     names = bench.loop.plant.states
     for k, name in enumerate(names):
@@ -1285,11 +1294,9 @@ def demand_forged(bench: Bench, data: Any, path: Path_) -> None:
     del bench.told[-2:]
 
 
-def demand_said(bench: Bench, verdict: LoopVerdict) -> None:
+def demand_said(bench: Bench, verdict: Checked) -> None:
     """What a certificate says, of whatever loop, holds of our own runs."""
     claim, certificate = verdict.claim, verdict.certificate
-    assert claim is not None
-    assert certificate is not None
     sensors = {
         name.rpartition(".")[2]: Seen(s.delay, s.resolution, s.difference)
         for name, s in certificate.sensors.items()
@@ -1305,7 +1312,8 @@ def demand_said(bench: Bench, verdict: LoopVerdict) -> None:
     vars(other).update(vars(bench), loop=loop, runner=Runner(loop))
     box = {n: (a, b) for n, a, b in claim.start}
     parameters = {n: (a, b) for n, a, b in claim.parameters}
-    if hasattr(certificate, "p") and not verdict.continuous:
+    is_region = not certificate.tubes
+    if is_region and not verdict.continuous:
         demand_region(other, verdict)
     if not claim.output:
         if claim.start and not verdict.continuous:
@@ -1314,11 +1322,11 @@ def demand_said(bench: Bench, verdict: LoopVerdict) -> None:
     assert claim.begin <= claim.end, "a claim that ends before it begins is accepted"
     assert claim.end > 0.0, "a claim that ends before the run is accepted"
     end = claim.end if math.isfinite(claim.end) else claim.begin + 300 * loop.period
-    if not hasattr(certificate, "p"):
+    if not certificate.regions:
         assert math.isfinite(claim.end), "sets for a time, and a claim without an end"
         assert claim.when == "during", f"sets for a time, and a claim that holds '{claim.when}'"
     port = claim.output.rpartition(".")[2]
-    if box or not hasattr(certificate, "p"):
+    if box or not is_region:
         demand_bounded(other, box, parameters, port, (claim.low, claim.high), claim.begin, end)
 
 

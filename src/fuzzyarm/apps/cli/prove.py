@@ -19,7 +19,8 @@ searching. --for bounds all ports of the plant for a time, from all starts of --
 it is the end time of the claim. --plot draws the region or the tube, with runs in it.
 
 --map sorts a whole window of starts (--over) into proved to come to rest, refuted and open;
---resume keeps a journal, --workers shares the work.
+--resume keeps a journal, --workers shares the work. With --certificate only boxes that the checker
+follows count as proved, and --check follows them again.
 
   fuzzyarm prove rulebases/pd7.frb --table linear
   fuzzyarm prove rulebases/servo.frb --sector --plot sector.png

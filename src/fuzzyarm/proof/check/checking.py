@@ -308,8 +308,9 @@ class _Proof:
             if followed.against:
                 raise LoopProofError(f"box {number}: {followed.against}")
         if claim.start or claim.output:
-            start = [(x.low, x.high) for x in problem.start.values()]
-            if not covered(start, *ends_of_boxes([tube.box for tube in tubes])):
+            start = [(Fraction(x.low), Fraction(x.high)) for x in problem.start.values()]
+            boxes = np.array([tube.box for tube in tubes], dtype=object)
+            if not covered(start, boxes[..., 0], boxes[..., 1]):
                 raise LoopProofError("its boxes are not all of the starts")
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -62,17 +63,17 @@ class Form:
     rest: Vector
     ends: tuple[float, float] = (-math.inf, math.inf)
 
-    @property
+    @cached_property
     def reach(self) -> Vector:
         """How far values may be from the centre, rounded up."""
         return np.asarray((np.abs(self.weights).sum(axis=0) + self.rest) * ENLARGED)
 
-    @property
+    @cached_property
     def size(self) -> Vector:
         """The largest magnitudes, rounded up."""
         return np.asarray((np.abs(self.centre) + self.reach) * ENLARGED)
 
-    @property
+    @cached_property
     def span(self) -> Spans:
         """Where values are."""
         centre, far = self.centre, self.reach
@@ -90,8 +91,11 @@ class Form:
 
     def over(self, symbols: int) -> Vector:
         """Return the weights of so many symbols."""
-        more = symbols - len(self.weights)
-        return np.pad(self.weights, ((0, more), (0, 0))) if more else self.weights
+        if len(self.weights) == symbols:
+            return self.weights
+        weights = np.zeros((symbols, self.weights.shape[1]))
+        weights[: len(self.weights)] = self.weights
+        return weights
 
 
 def combined(*terms: tuple[Form, Any]) -> Form:

@@ -75,11 +75,11 @@ BITS = 160
 
 
 def precisely(work: Callable[P, R]) -> Callable[P, R]:
-    """Let a function compute with balls of :data:`BITS` bits."""
+    """Let a function compute with balls of :data:`BITS` bits, and with NaN without a warning."""
 
     @wraps(work)
     def with_bits(*arguments: P.args, **keywords: P.kwargs) -> R:
-        with ctx.workprec(BITS):
+        with ctx.workprec(BITS), np.errstate(all="ignore"):
             return work(*arguments, **keywords)
 
     return with_bits

@@ -325,8 +325,7 @@ class Follower:
                 self.numbers.sets = len(group.which)
                 self.numbers.symbols = max(len(form.weights) for form in group.now)
                 try:
-                    with np.errstate(all="ignore"):  # what is not finite never arrives
-                        later = self._later(group, last, task, numbers, found)
+                    later = self._later(group, last, task, numbers, found)
                 except (LoopProofError, ZeroDivisionError) as error:
                     if len(group.which) == 1:
                         found[int(group.which[0])] = Followed(group.period, str(error))
@@ -475,8 +474,11 @@ def _halves(group: _Group) -> list[_Group]:
     ]
 
 
-def covered(box: Sequence[tuple[float, float]], lows: Vector, highs: Vector) -> bool:
-    """Tell whether all of a box is in the union of some: cut at their sides until each part is."""
+def covered(box: Sequence[tuple[Any, Any]], lows: Any, highs: Any) -> bool:
+    """Tell whether all of a box is in the union of some: cut at their sides until each part is.
+
+    Ends are floats or fractions.
+    """
     low, high = (np.array(ends) for ends in zip(*box, strict=True))
     near = ((lows <= high) & (highs >= low)).all(axis=1)
     if not near.any():
@@ -491,8 +493,8 @@ def covered(box: Sequence[tuple[float, float]], lows: Vector, highs: Vector) -> 
 
 
 def _parts_outside(
-    box: Sequence[tuple[float, float]], other: Sequence[tuple[float, float]]
-) -> Iterator[list[tuple[float, float]]]:
+    box: Sequence[tuple[Any, Any]], other: Sequence[tuple[Any, Any]]
+) -> Iterator[list[tuple[Any, Any]]]:
     """Yield boxes that hold all of a box that is outside another one."""
     rest = list(box)
     for k, (low, high) in enumerate(other):

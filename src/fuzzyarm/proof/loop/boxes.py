@@ -122,7 +122,7 @@ def _followed(
 
 def _halves(tube: TubeProof, axis: int) -> list[TubeProof]:
     low, high = tube.box[axis]
-    middle = (low + high) / 2
+    middle = Fraction(0.5 * float(low) + 0.5 * float(high))
     return [
         tube._replace(box=(*tube.box[:axis], ends, *tube.box[axis + 1 :]))
         for ends in ((low, middle), (middle, high))

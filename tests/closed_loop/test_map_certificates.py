@@ -1,0 +1,190 @@
+"""The certificate of a map: what it says, what the checker follows, and what forging it gives."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fuzzyarm
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.plant import find_plant
+from fuzzyarm.proof.check import Checked, check_certificate, write_certificate
+from fuzzyarm.proof.check.certificate import sealed
+from fuzzyarm.proof.loop import MapSearch, map_starts, read_claim
+
+PLANT = """from fuzzyarm.plant import Plant, Port
+
+
+class Cliff(Plant):
+    name = "cliff"
+    inputs = {"push": Port("N", -1.0, 1.0)}
+    outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}
+    states = {"y": "m"}
+    duration = 20.0
+
+    def derivative(self, t, x, u, p):
+        return [0.5 * x[0] + u[0]]
+"""
+
+CONTROLLER = """controller hold "a push against the fall"
+
+period 10 ms
+
+axis a
+  e = error of y
+  p = e * 2
+  drive push = p
+"""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """y' = y/2 + u, |u| ≤ 1: from |y| < 2 all come back, from beyond none."""
+    folder = tmp_path_factory.mktemp("map")
+    (folder / "cliff.py").write_text(PLANT)
+    (folder / "hold.frb").write_text(CONTROLLER)
+    plant = str(folder / "cliff.py")
+    found = map_starts(
+        fuzzyarm.load_controller(folder / "hold.frb"), read_claim("stable", plant),
+        MapSearch(6.0, certify=True), plant=find_plant(plant),
+    )  # fmt: skip
+    write_certificate(found.certificate, str(folder / "map.json"))
+    return folder, found
+
+
+def checked(folder: Path, data: dict[str, Any]) -> Checked:
+    (folder / "f.json").write_text(json.dumps(data))
+    return check_certificate(str(folder / "f.json"), plant=find_plant(str(folder / "cliff.py")))
+
+
+def test_what_is_proved_is_what_the_checker_follows(made: tuple[Path, Any]) -> None:
+    folder, found = made
+    plant = find_plant(str(folder / "cliff.py"))
+    again = check_certificate(str(folder / "map.json"), plant=plant)
+    assert again.proved, again
+    assert again.boxes == sum(box.verdict == "proved" for box in found.boxes)
+    assert again.coverage == pytest.approx(found.share("proved"), abs=1e-6)
+    assert again.coverage >= 0.4
+    assert f"from {np.floor(again.coverage * 1000) / 10:g} % of y in -4 .. 4" in again.statement
+    assert all(abs(x) <= 2.0 for box in found.boxes if box.verdict == "proved"
+               for x in (*box.low, *box.high))  # fmt: skip
+
+
+def demand_true(again: Checked) -> None:
+    """Of what is accepted: each box is one of starts that come back."""
+    assert len(again.certificate.claim.start) == 0
+    assert again.certificate.claim.plant
+    for tube in again.certificate.tubes:
+        assert all(-2 < low <= high < 2 for low, high in tube.box), tube
+    (low, high) = again.certificate.window[0][1:]
+    inside = [
+        max(0.0, min(float(b), high) - max(float(a), low))
+        for ((a, b),) in (tube.box for tube in again.certificate.tubes)
+    ]
+    assert again.coverage <= sum(inside) / (high - low) + 1e-9
+
+
+def places(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    if isinstance(value, dict):
+        found = [p for name, part in value.items() for p in places(part, (*path, name))]
+    elif isinstance(value, list):
+        found = [p for k, part in enumerate(value) for p in places(part, (*path, k))]
+    else:
+        found = []
+    return [*found, *([path] if path else [])]
+
+
+def forged(value: Any) -> list[Any]:
+    """Return values near to one, and others."""
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, int):
+        return [value + 1, max(value - 1, 0), 0, 10**6, -1, "x", None]
+    if isinstance(value, str) and value.strip("-/0123456789") == "" and value:
+        return [f"-{value}".replace("--", ""), "0", "5/2", "-5/2", "inf", "1/0", 3, None]
+    if isinstance(value, str):
+        return ["regions" if value == "tubes" else "tubes", "", "y", None]
+    if isinstance(value, list):
+        return [[], value[:-1], [*value, *value[-1:]], value[::-1]]
+    return [{}, {**value, "y": "1"}, None] if isinstance(value, dict) else ["0", 1, []]
+
+
+@pytest.mark.slow
+def test_whatever_field_is_changed_it_is_refused_or_says_the_truth(made: tuple[Path, Any]) -> None:
+    folder, _ = made
+    data = json.loads((folder / "map.json").read_text())
+    data.pop("seal")
+    kept = data["tubes"]
+    # Some of each sort: the first and the last boxes, and those that lead into others.
+    others = [tube for tube in kept if tube["into"][0] == "tubes"]
+    data["tubes"] = [*kept[:2], *others[-2:]]
+    accepted = refused = 0
+    for path in places(data):
+        if path[0] in ("format", "regions") and len(path) > 3 and path[-1] == 0:
+            continue
+        for value in forged(_at(data, path)):
+            changed = json.loads(json.dumps(data))
+            _at(changed, path[:-1])[path[-1]] = value
+            try:
+                again = checked(folder, sealed(changed))
+            except (FuzzyarmError, OSError):
+                refused += 1
+                continue
+            if again.proved:
+                accepted += 1
+                demand_true(again)
+            else:
+                refused += 1
+    assert refused > 5 * accepted > 0
+
+
+def _at(value: Any, path: tuple[Any, ...]) -> Any:
+    for key in path:
+        value = value[key]
+    return value
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: replace(c, window=(("y", 1.0, 1.0),)), "no window"),
+        (lambda c: replace(c, window=(("z", -1.0, 1.0),)), "no window"),
+        (lambda c: replace(c, window=()), "claims nothing of starts"),
+        (lambda c: replace(c, window=(c.window[0], c.window[0])), "one window"),
+        (lambda c: replace(c, regions=()), "no region"),
+        (lambda c: replace(c, tubes=(c.tubes[0]._replace(into=("tubes", 1)),)), "not known"),
+        (lambda c: replace(c, tubes=(c.tubes[0]._replace(periods=0),)), "has not arrived|^$"),
+        (lambda c: replace(c, tubes=(c.tubes[0]._replace(box=((3, 4),)),)), "bound|not arrived"),
+        (lambda c: replace(c, tubes=(c.tubes[0]._replace(box=((1, -1),)),)), "not a box"),
+    ],
+)
+def test_what_a_map_does_not_show_is_said(made: tuple[Path, Any], change: Any, words: str) -> None:
+    folder, found = made
+    text = fuzzyarm.load_controller(folder / "hold.frb")
+    plant = find_plant(str(folder / "cliff.py"))
+    again = check_certificate(change(found.certificate), text, plant)
+    assert not again.proved or words.endswith("|^$")
+    if not again.proved:
+        assert any(word in again.reason for word in words.split("|")), again.reason
+
+
+def test_the_command_writes_and_checks_it_and_the_code_says_it(
+    made: tuple[Path, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, _ = made
+    monkeypatch.chdir(folder)
+    words = ["prove", "hold.frb", "--plant", "cliff.py", "--map", "--budget", "6"]
+    assert main([*words, "--over", "y in -1.5 .. 1.5", "--certificate", "w.json"]) in (0, 4)
+    assert "w.json: the certificate, " in capsys.readouterr().out
+    assert main(["prove", "--check", "w.json", "--plant", "cliff.py"]) == 0
+    said = capsys.readouterr().out
+    assert "proved: stable on 'cliff.py'; from 100 % of y in -1.5 .. 1.5 (" in said
+    assert main(["compile", "hold.frb", "-o", "h.h", "--certificate", "w.json", "--trust"]) == 0
+    head = " ".join((folder / "h.h").read_text().split("#")[0].replace("*", " ").split())
+    assert "from 100 % of y in -1.5 .. 1.5" in head
