@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +125,23 @@ def test_a_journal_is_gone_on_with(tmp_path: Path, servo: StartMap) -> None:
 
 def test_workers_find_the_same_shares(servo: StartMap) -> None:
     found = fuzzyarm.prove(SERVO, plant="motor", map=True, over=WINDOW, budget=60.0, workers=2)
+    assert found.share("proved") == pytest.approx(servo.share("proved"))
+
+
+def test_any_executor_maps(servo: StartMap) -> None:
+    class Counting(ThreadPoolExecutor):
+        count = 0
+
+        def submit(self, *words: Any, **more: Any) -> Any:
+            self.count += 1
+            return super().submit(*words, **more)
+
+    with Counting(2) as executor:
+        found = fuzzyarm.prove(
+            SERVO, plant="motor", map=True, over=WINDOW, budget=60.0, executor=executor
+        )
+        assert executor.count > 1
+        assert executor.submit(int, "1").result() == 1  # it is the caller's: not ended
     assert found.share("proved") == pytest.approx(servo.share("proved"))
 
 

@@ -14,11 +14,18 @@ import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)  # fmt: skip
 from contextlib import contextmanager
 from functools import cache, cached_property
 from types import FunctionType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +38,9 @@ from fuzzyarm.plant.equations import TRACED
 from fuzzyarm.plant.own import BEGUN, OWN, SOURCE, module_again, plant_again, plant_class
 from fuzzyarm.plant.plain_python import HOME, Home
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.symbolic.kernels import processors
+
+T = TypeVar("T")
 
 Rows = NDArray[np.float64]
 """Results of runs, one in each row."""
@@ -40,6 +50,47 @@ Block = tuple[Rows, float]
 
 BLOCK_SECONDS = 1.0
 """Target time of a block, s: long beside its message, short enough to lose."""
+
+
+# --- Workers ---
+
+
+class Workers:
+    """Workers for the pieces of a job: a given executor, or own ones that start with the first.
+
+    Any executor of :mod:`concurrent.futures` will do: of loky, Dask, mpi4py. Own workers are
+    processes, or `threads`, as for machine code; closing ends them.
+    """
+
+    def __init__(
+        self, count: int | None = None, executor: Executor | None = None, *, threads: bool = False
+    ) -> None:
+        self.count = count or getattr(executor, "_max_workers", None) or processors()
+        self.executor = executor
+        self.in_threads = threads and executor is None
+        self._own: Executor | None = None
+
+    def submit(self, work: Callable[..., T], *arguments: Any) -> Future[T]:
+        """Submit a piece."""
+        if self.executor is None and self._own is None:
+            threads = self.in_threads
+            self._own = ThreadPoolExecutor(self.count) if threads else _processes(self.count)
+        pool = self.executor or self._own
+        assert pool is not None
+        with workers_watched():
+            return pool.submit(work, *arguments)
+
+    def close(self) -> None:
+        """End own workers, processes with their work."""
+        pool, self._own = self._own, None
+        if pool is not None:
+            _end(pool)
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 # --- Sizes and order ---
@@ -101,29 +152,26 @@ class WorkersError(FuzzyarmError, RuntimeError):
 HERE = "--workers 1, or workers=1, runs in this process"
 
 
-def default_processes(workers: int) -> Executor:
+def _processes(workers: int) -> Executor:
     """Start processes of this machine: loky's where it is installed."""
     with _safe_path():
-        pool = _processes(workers)
+        pool: Executor
+        try:
+            from loky import ProcessPoolExecutor as Loky
+
+            pool = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
+        except ImportError:
+            from concurrent.futures import ProcessPoolExecutor
+            from multiprocessing import get_context
+
+            # A fork would copy locks held by threads that it does not copy: deadlock.
+            pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
         try:
             pool.submit(os.getpid).result()
         except (BrokenExecutor, OSError) as error:
-            end_processes(pool)
+            _end(pool)
             raise WorkersError("no worker process can be started", hint=HERE) from error
     return pool
-
-
-def _processes(workers: int) -> Executor:
-    try:
-        from loky import ProcessPoolExecutor as Loky
-    except ImportError:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
-
-        # A fork would copy locks held by threads that it does not copy: deadlock.
-        return ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
-    executor: Executor = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
-    return executor
 
 
 _SAFE_PATH = "PYTHONSAFEPATH"
@@ -154,8 +202,8 @@ def workers_watched() -> Iterator[None]:
         raise WorkersError(message, hint=HERE) from error
 
 
-def end_processes(pool: Executor) -> None:
-    """Kill the processes of :func:`default_processes`, with their work."""
+def _end(pool: Executor) -> None:
+    """End threads after their piece, processes with their work."""
     if type(pool).__module__.startswith("loky"):
         pool.shutdown(wait=True, kill_workers=True)  # type: ignore[call-arg]
         return

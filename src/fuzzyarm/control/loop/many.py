@@ -14,7 +14,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -31,8 +31,7 @@ from fuzzyarm.control.loop.along import AnyWay, FollowedPlant, equipped, traject
 from fuzzyarm.control.loop.blocks import (
     Block,
     Rows,
-    default_processes,
-    end_processes,
+    Workers,
     in_order,
     packed,
     unpacked,
@@ -54,7 +53,6 @@ from fuzzyarm.plant.following import carries, with_load
 from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.requests.bounds import MOST_RUNS
-from fuzzyarm.symbolic.kernels import processors
 
 Vector = NDArray[np.float64]
 
@@ -544,14 +542,27 @@ def stream(
     the runs.
     """
     check_extremes(bench, changes)
-    if workers is None:
-        workers = getattr(executor, "_max_workers", None) or processors()
-    if executor is not None:
-        yield from _elsewhere(bench, changes, begin, count, executor, workers)
-    elif bench.loop.compiled or workers == 1:
-        yield from _in_threads(bench, changes, begin, count, workers)
-    else:
-        yield from _in_processes(bench, changes, begin, count, workers)
+    threads = bench.loop.compiled or (executor is None and workers == 1)
+    with Workers(workers, executor, threads=threads) as crew:
+        stop = threading.Event()
+        if executor is None and not threads:
+            # The first ones here, until it is worth starting processes.
+            for rows in _begun_here(bench, changes, begin, count):
+                yield begin, rows
+                begin += len(rows)
+        travels = begin < count and not crew.in_threads
+        question = packed((bench.experiment, tuple(changes))) if travels else b""
+
+        def submit(first: int, last: int) -> Future[Block]:
+            part = first, cut(changes, first, last), last - first
+            if crew.in_threads:
+                return crew.submit(bench.rows, *part, stop)
+            return crew.submit(run_block, question, *part)
+
+        try:
+            yield from in_order(submit, begin, count, crew.count)
+        finally:
+            stop.set()
 
 
 def check_extremes(bench: Bench, changes: Columns) -> None:
@@ -572,53 +583,18 @@ def check_extremes(bench: Bench, changes: Columns) -> None:
                 bench.course(changed)
 
 
-def _in_threads(
-    bench: Bench, changes: Columns, begin: int, count: int, workers: int
-) -> Iterator[tuple[int, Rows]]:
-    stop = threading.Event()
-    pool = ThreadPoolExecutor(workers, "fuzzyarm-many")
-
-    def submit(first: int, last: int) -> Future[Block]:
-        return pool.submit(bench.rows, first, cut(changes, first, last), last - first, stop)
-
-    try:
-        yield from in_order(submit, begin, count, workers)
-    finally:
-        stop.set()
-        pool.shutdown(cancel_futures=True)
-
-
 WORTH = 3.0
 """Shorter sweeps, s, end before worker processes have started."""
 
 
-def _in_processes(
-    bench: Bench, changes: Columns, begin: int, count: int, workers: int
-) -> Iterator[tuple[int, Rows]]:
+def _begun_here(bench: Bench, changes: Columns, begin: int, count: int) -> Iterator[Rows]:
+    """Yield the rows of single runs, until the rest takes long."""
     while begin < count:
         rows, seconds = bench.rows(begin, cut(changes, begin, begin + 1), 1)
-        yield begin, rows
         begin += 1
+        yield rows
         if seconds * (count - begin) > WORTH:
             break
-    if begin == count:
-        return
-    pool = default_processes(workers)
-    try:
-        yield from _elsewhere(bench, changes, begin, count, pool, workers)
-    finally:
-        end_processes(pool)
-
-
-def _elsewhere(
-    bench: Bench, changes: Columns, begin: int, count: int, executor: Executor, workers: int
-) -> Iterator[tuple[int, Rows]]:
-    question = packed((bench.experiment, tuple(changes)))
-
-    def submit(first: int, last: int) -> Future[Block]:
-        return executor.submit(run_block, question, first, cut(changes, first, last), last - first)
-
-    yield from in_order(submit, begin, count, workers)
 
 
 def cut(changes: Columns, first: int, last: int) -> dict[str, Vector]:

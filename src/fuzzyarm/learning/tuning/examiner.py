@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -24,8 +24,7 @@ from fuzzyarm.control.controllers.catalogue import controller_of
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.blocks import (
-    default_processes,
-    end_processes,
+    Workers,
     packed,
     unpacked,
     workers_watched,
@@ -48,7 +47,6 @@ from fuzzyarm.learning.tuning.cost import (
 from fuzzyarm.learning.tuning.design import Candidate, Design, controller_at
 from fuzzyarm.learning.tuning.scenarios import Scenario
 from fuzzyarm.plant.setting import PLAIN, Conventions
-from fuzzyarm.symbolic.kernels import processors
 
 Vector = NDArray[np.float64]
 
@@ -313,10 +311,9 @@ class ExaminerPool:
         self.problem = problem
         self.examiner = Examiner(problem)
         self.design = self.examiner.design
-        count = getattr(executor, "_max_workers", None)
-        self.workers = workers or count or processors()
-        self.executor = executor
-        self._own_pool: Executor | None = None
+        self.executor, self._elsewhere = executor, Workers(workers, executor)
+        self.workers = self._elsewhere.count
+        self._threads = Workers(self.workers, threads=True)
         self._question = b""
 
     def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
@@ -326,7 +323,7 @@ class ExaminerPool:
         if alone and self.executor is None:
             return [self.examiner.tried(point, digits) for point in points]
         if self.executor is not None or not self._in_threads:
-            return self._elsewhere(points, digits)
+            return self._examined(points, digits)
         # All scenarios of all points as they come: one point has work for several workers. Python
         # code runs in this thread, one candidate after the other, while the workers run machine
         # code without the GIL.
@@ -349,24 +346,20 @@ class ExaminerPool:
     def _begun(self, candidate: Candidate) -> Callable[[], Score]:
         """Submit a candidate to the workers; return a function that waits for its score."""
         examiner = self.examiner
-        pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
         # The longest first, so that all workers finish together.
         stands = range(len(examiner.stands))
         ready = examiner.ready(candidate)
         running: dict[int, Future[ScenarioOutcome]] = {
-            stand: pool.submit(examiner.run, ready, stand)
+            stand: self._threads.submit(examiner.run, ready, stand)
             for stand in sorted(stands, key=lambda stand: -examiner.stands[stand].duration)
         }
         return lambda: examiner.folded([running[stand].result() for stand in stands], candidate)
 
-    def _elsewhere(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
+    def _examined(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
         if not self._question:
             self._question = packed(self.problem)
-        pool = self.executor or self._pool(lambda: default_processes(self.workers))
-        with workers_watched():
-            futures = [
-                pool.submit(examine, self._question, np.array(point), digits) for point in points
-            ]
+        submit = self._elsewhere.submit
+        futures = [submit(examine, self._question, np.array(point), digits) for point in points]
         try:
             with workers_watched():
                 return [future.result() for future in futures]
@@ -374,18 +367,10 @@ class ExaminerPool:
             for future in futures:
                 future.cancel()
 
-    def _pool(self, make: Callable[[], Executor]) -> Executor:
-        if self._own_pool is None:
-            self._own_pool = make()
-        return self._own_pool
-
     def close(self) -> None:
         """End threads or processes of its own."""
-        pool, self._own_pool = self._own_pool, None
-        if isinstance(pool, ThreadPoolExecutor):
-            pool.shutdown(cancel_futures=True)
-        elif pool is not None:
-            end_processes(pool)
+        self._threads.close()
+        self._elsewhere.close()
 
 
 @contextmanager

@@ -6,6 +6,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any, Literal, TypedDict, Unpack, overload
 
@@ -45,6 +46,7 @@ class _MapKeywords(TypedDict, total=False):
     tell: Tell | None
     over: str | Mapping[str, tuple[float, float]]
     workers: int
+    executor: Executor | None
     resume: str | os.PathLike[str] | None
 
 
@@ -82,6 +84,8 @@ class ProveKeywords(_MapKeywords, total=False):
         the outputs.
     workers : int
         Of a map: processes at a time; each has the whole budget.
+    executor : Executor
+        Of a map: any of :mod:`concurrent.futures` instead of processes of this machine.
     resume : path-like
         Of a map: a journal, which is begun or gone on with.
     """
@@ -95,7 +99,7 @@ class ProveKeywords(_MapKeywords, total=False):
 
 
 OF_RULES = ("tolerance", "budget", "exact", "tell")
-OF_MAPS = ("over", "workers", "resume")
+OF_MAPS = ("over", "workers", "executor", "resume")
 OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell")
 """Keywords that count where a rule base is asked, and a controller in its loop."""
 
@@ -270,6 +274,7 @@ def _map_of(
     search = MapSearch(
         budget=MAP_BUDGET if math.isinf(budget) else budget,
         workers=keywords.get("workers", 1),
+        executor=keywords.get("executor"),
         journal=None if resume is None else os.fspath(resume),
     )
     return map_starts(

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import heapq
 import math
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,7 +30,7 @@ from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.control.loop.blocks import default_processes, end_processes, packed, unpacked
+from fuzzyarm.control.loop.blocks import Workers, packed, unpacked, workers_watched
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
@@ -435,6 +436,10 @@ def _mapped(box: Box, verdict: str, periods: int, reason: str) -> MappedBox:
     return MappedBox(box.low, box.high, verdict, periods, reason)
 
 
+_ONE_AT_A_TIME = threading.Lock()
+"""A worker remembers where it is: threads of an executor take turns, processes need not."""
+
+
 @lru_cache(maxsize=2)
 def _worker_of(content: bytes) -> _Worker:
     return _Worker(unpacked(content))
@@ -444,12 +449,13 @@ def _piece(
     content: bytes, boxes: Sequence[Box], known: Sequence[MappedBox], seconds: float
 ) -> tuple[list[MappedBox], float]:
     """Map boxes in another process; return them, and the seconds of work."""
-    begun = time.process_time()
     found: list[MappedBox] = []
-    worker = _worker_of(content)
-    worker.learn(known)
-    worker.mapped(boxes, seconds - (time.process_time() - begun), found.extend)
-    return found, time.process_time() - begun
+    with _ONE_AT_A_TIME:
+        begun = time.process_time()
+        worker = _worker_of(content)
+        worker.learn(known)
+        worker.mapped(boxes, seconds - (time.process_time() - begun), found.extend)
+        return found, time.process_time() - begun
 
 
 # ── the map ──────────────────────────────────────────────────────────────────────────
@@ -474,6 +480,8 @@ class MapSearch:
         Drawn starts, whose runs are simulated.
     certify : bool
         Whether only those boxes count as proved that the checker follows, for a certificate.
+    executor : Executor, optional
+        Any of :mod:`concurrent.futures`, instead of processes of this machine.
     """
 
     budget: float = MAP_BUDGET
@@ -481,6 +489,7 @@ class MapSearch:
     journal: str | None = None
     runs: int = RUNS
     certify: bool = False
+    executor: Executor | None = None
 
 
 DEFAULT_SEARCH = MapSearch()
@@ -534,7 +543,9 @@ class _Map:
     ) -> None:  # fmt: skip
         self.begun, self.stop = time.monotonic(), Stop(search.budget)
         self.text, self.plant, self.connect, self.sensors = text, plant, connect, sensors
-        self.search, self.workers, self.watch = search, search.workers, watch
+        count = None if search.executor is not None and search.workers == 1 else search.workers
+        self.crew = Workers(count, search.executor)
+        self.search, self.workers, self.watch = search, self.crew.count, watch
         start = claim.start or tuple(self._ranges(claim))
         self.claim = replace(claim_of_stability(claim), start=start)
         self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
@@ -656,18 +667,14 @@ class _Map:
         worker = _Worker(case)
         todo = _without(worker.tiles(), self.boxes)
         worker.learn(self.boxes)
-        if self.workers == 1 or len(todo) < 2:
+        if (self.workers == 1 and self.search.executor is None) or len(todo) < 2:
             worker.mapped(todo, self.stop.left, self._heard)
             self.work = self.stop.spent
             return
-        content = packed(case)
-        executor = default_processes(self.workers)
-        try:
-            self._shared(executor, content, todo)
-        finally:
-            end_processes(executor)
+        with self.crew:
+            self._shared(packed(case), todo)
 
-    def _shared(self, executor: Executor, content: bytes, todo: Sequence[Box]) -> None:
+    def _shared(self, content: bytes, todo: Sequence[Box]) -> None:
         """Let workers map boxes; each has the whole budget, less what was taken here."""
         count = min(len(todo), self.workers * AT_ONCE)
         parts = [todo[k::count] for k in range(count)]
@@ -680,11 +687,12 @@ class _Map:
                     break
                 share = left[slot] / math.ceil(len(parts) / self.workers)
                 known = [box for box in self.boxes if box.verdict == PROVED]
-                task = executor.submit(_piece, content, parts.pop(0), known, max(share, 0.0))
+                task = self.crew.submit(_piece, content, parts.pop(0), known, max(share, 0.0))
                 under_way[task] = slot
             for task in wait(under_way, return_when=FIRST_COMPLETED).done:
                 slot = under_way.pop(task)
-                boxes, taken = task.result()
+                with workers_watched():
+                    boxes, taken = task.result()
                 left[slot] -= taken
                 seconds += taken
                 self.work = seconds
