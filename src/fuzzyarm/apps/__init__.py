@@ -1,4 +1,4 @@
-"""What a person starts, and what is drawn for a person. Nothing imports this room.
+"""User-facing programs and drawings. Nothing imports this room.
 
 cli
     The command ``fuzzyarm``, a module for each command.

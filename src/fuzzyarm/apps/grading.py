@@ -113,7 +113,7 @@ class Grade:
     results : tuple of Result
         One for each demand; empty where the submission cannot be read.
     points : int
-        The sum of what passed.
+        The sum over the passed demands.
     fault : str
         Why it cannot be read; empty where it can.
     """
@@ -156,8 +156,8 @@ def _hidden_lines(path: Path) -> tuple[HiddenLine, ...]:
             continue
         match = _LINE.match(plain)
         if match is None:
-            what = f"a line is expect … or prove …, not '{plain[:40]}'"
-            raise GradingError(f"{path}:{number}: {what}")
+            message = f"a line is expect … or prove …, not '{plain[:40]}'"
+            raise GradingError(f"{path}:{number}: {message}")
         note = (match["note"] or "").strip()
         worth = _POINTS.match(note)
         points, about = (int(worth["points"]), worth["about"]) if worth else (1, note)
@@ -248,7 +248,7 @@ def _proved(rulebase: RuleBase, statement: str) -> Result:
 
 
 def _one_sentence(error: Exception) -> str:
-    """Return what is wrong, with its line where there is one."""
+    """Return the mistake in one sentence, with its line if it has one."""
     if isinstance(error, RuleBaseError):
         first = next((d for d in error.diagnostics if d.is_error), None)
         if first is not None:

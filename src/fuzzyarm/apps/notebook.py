@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["figure_of", "html_of", "html_of_drawing", "text_of"]
 
 WIDTH = 100
-"""Columns of what the terminal would show."""
+"""Columns of terminal output."""
 
 MOST_RULES = 500
 """Beyond which a page shows how many there are in place of the rules."""
@@ -112,12 +112,12 @@ def _pre(text: str) -> str:
 # --- Figures ---
 
 
-def _picture(figure: Figure, what: str) -> str:
+def _picture(figure: Figure, alt: str) -> str:
     from fuzzyarm.apps.show.figures.style import png_of
 
     data = b64encode(png_of(figure)).decode("ascii")
     style = "max-width:100%;height:auto"
-    return f'<img alt="{_words(what)}" style="{style}" src="data:image/png;base64,{data}">'
+    return f'<img alt="{_words(alt)}" style="{style}" src="data:image/png;base64,{data}">'
 
 
 def _variable_figure(variable: Any) -> Figure:
@@ -181,7 +181,7 @@ _Answer = TypeVar("_Answer")
 def _by_class(
     value: object, answers: dict[str, Callable[[Any], _Answer]]
 ) -> Callable[[Any], _Answer] | None:
-    """Return what answers for the class of a value, or for the nearest that it derives from."""
+    """Return the drawing function for the class of a value, or its nearest base class."""
     for kind in type(value).__mro__:
         answer = answers.get(f"{kind.__module__}.{kind.__qualname__}")
         if answer is not None:
@@ -256,7 +256,7 @@ _DRAWINGS: dict[str, Callable[[Any], str]] = {
 
 
 def html_of(value: object) -> str:
-    """Return what a notebook shows of a value."""
+    """Return a notebook's representation of a value."""
     drawing = _by_class(value, _DRAWINGS)
     return _pre(repr(value)) if drawing is None else drawing(value)
 

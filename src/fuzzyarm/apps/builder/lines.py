@@ -1,4 +1,4 @@
-"""The lines of the language that one call of the builder adds, and where each part comes from."""
+"""The language lines of one builder call, with the argument behind each part."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import shape_node
 
 Corners = float | Sequence[float] | Sequence[tuple[float, float]] | Shape | str
-"""What a term may be given as; see :meth:`fuzzyarm.RuleBaseBuilder.input`."""
+"""Accepted forms of a term; see :meth:`fuzzyarm.RuleBaseBuilder.input`."""
 
 Terms = str | Sequence[str] | Mapping[str, Corners]
 
@@ -25,7 +25,7 @@ Levels = str | Sequence[float]
 
 
 class BuilderArgumentError(FuzzyarmError, TypeError):
-    """An argument that is not what the builder takes.
+    """An argument of a type that the builder does not accept.
 
     Attributes
     ----------
@@ -38,13 +38,13 @@ class BuilderArgumentError(FuzzyarmError, TypeError):
         self.argument = argument
 
 
-# --- The lines of a call, and which argument each stretch of them came from ---
+# --- The lines of a call, and the argument behind each part ---
 
 
 class LanguageLines:
-    """The lines of the language that one call adds.
+    """The language lines of one call.
 
-    Every stretch of them knows its argument, so that a finding can name it.
+    Every part of them knows its argument, so that a finding can name it.
     """
 
     def __init__(self, call: str) -> None:
@@ -54,16 +54,16 @@ class LanguageLines:
 
     @property
     def text(self) -> str:
-        """The lines, without a line end after the last."""
+        """The lines, without a final line end."""
         return "\n".join(self._lines)
 
     @property
     def count(self) -> int:
-        """How many lines there are."""
+        """The number of lines."""
         return len(self._lines)
 
     def write(self, text: str, argument: str = "") -> LanguageLines:
-        """Go on with a stretch of the last line."""
+        """Continue the last line."""
         line, column = self.count, len(self._lines[-1]) + 1
         self._lines[-1] += text
         if argument:
@@ -76,7 +76,7 @@ class LanguageLines:
         return self
 
     def name(self, value: object, argument: str) -> LanguageLines:
-        """Write a name, in quotes where it needs them."""
+        """Write a name, quoted if necessary."""
         return self.write(name_text(self.words(value, argument)), argument)
 
     def string(self, value: object, argument: str) -> LanguageLines:
@@ -95,12 +95,12 @@ class LanguageLines:
         raise BuilderArgumentError(self.named(argument), f"expected a number, found {text}")
 
     def raw(self, value: object, argument: str) -> LanguageLines:
-        """Write words of the language as they are; a line end in them becomes a space."""
+        """Write language text unchanged, except for line ends, which become spaces."""
         words = self.words(value, argument)
         return self.write(" ".join(split_lines(words)), argument)
 
     def words(self, value: object, argument: str) -> str:
-        """Return an argument that must be text."""
+        """Return an argument that must be a string."""
         if not isinstance(value, str):
             text = shortened(repr(value))
             raise BuilderArgumentError(self.named(argument), f"expected text, found {text}")
@@ -120,7 +120,7 @@ class LanguageLines:
         return f"{self.call}{'' if self.call.endswith('(') else ', '}{argument})"
 
     def argument_of(self, span: Span) -> str:
-        """Return the call with the arguments that a stretch of the lines came from."""
+        """Return the call with the arguments behind a part of the lines."""
         candidates = [
             argument
             for stretch, argument in self._stretches
@@ -129,7 +129,7 @@ class LanguageLines:
             and (stretch.line != span.line or stretch.end_column > span.column)
             and (stretch.line != span.end_line or stretch.column < span.end_column)
         ]
-        if not candidates:  # something is missing after the last
+        if not candidates:  # an omission after the last argument
             before = [
                 argument
                 for stretch, argument in self._stretches
@@ -140,7 +140,7 @@ class LanguageLines:
 
 
 def write_shape(lines: LanguageLines, shape: Corners, argument: str, inputs: Sequence[str]) -> None:
-    """Write a shape in whichever way it is given."""
+    """Write a shape in any accepted form."""
     if isinstance(shape, Shape):
         node: ShapeNode = shape_node(shape, inputs)
         lines.write(str(node), argument)
@@ -153,7 +153,7 @@ def write_shape(lines: LanguageLines, shape: Corners, argument: str, inputs: Seq
 
 
 _CORNERS = {1: "singleton", 2: "rectangle", 3: "triangle", 4: "trapezoid"}
-"""The kind of a term that is given by its corners alone, by how many they are."""
+"""Kind of a term by its number of corners."""
 
 
 def _write_corners(lines: LanguageLines, corners: list[Any], argument: str) -> None:
@@ -173,7 +173,7 @@ def _write_corners(lines: LanguageLines, corners: list[Any], argument: str) -> N
 
 
 def write_terms(lines: LanguageLines, name: str, terms: Terms, inputs: Sequence[str]) -> None:
-    """Write the terms of a variable, as :meth:`fuzzyarm.RuleBaseBuilder.input` takes them."""
+    """Write the terms of a variable, in any form of :meth:`fuzzyarm.RuleBaseBuilder.input`."""
     if isinstance(terms, str):
         lines.next().write("terms ").name(name, "name").write(": ").raw(terms, "terms")
     elif isinstance(terms, Mapping):
@@ -197,11 +197,11 @@ _SETTINGS = {
     "no_rule": "no-rule",
     "outside": "outside",
 }
-"""What a setting is called as an argument, and in the language."""
+"""Names of settings as arguments and in the language."""
 
 
 def write_settings(lines: LanguageLines, settings: Mapping[str, object]) -> None:
-    """Write the settings that are given, with commas between them."""
+    """Write the given settings, separated by commas."""
     present = {key: value for key, value in settings.items() if value is not None}
     for i, (key, value) in enumerate(present.items()):
         lines.write(f"{', ' if i else ' '}{_SETTINGS[key]} ", key)

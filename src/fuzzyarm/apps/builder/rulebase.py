@@ -1,8 +1,8 @@
 """Write a rule base in Python, statement by statement, as short as the file.
 
 A builder *is* the file that it writes: every method adds lines of the language, which the
-language's own reader reads and judges. What is wrong with an argument is therefore what would be
-wrong with the line, and is raised by the call that brings it.
+language's own reader parses and checks. A bad argument is therefore a bad line, and the call with
+the argument raises its finding.
 
     >>> import fuzzyarm
     >>> fan = fuzzyarm.RuleBaseBuilder("fan")
@@ -79,7 +79,7 @@ if TYPE_CHECKING:
 # --- The builder ---
 
 _OF_THE_WHOLE = ("missing-heading", "no-inputs", "no-outputs", "no-rules")
-"""Findings of what is missing, which no argument has brought."""
+"""Findings about missing parts, for which no argument is to blame."""
 
 
 class OutputSettings(TypedDict, total=False):
@@ -88,7 +88,7 @@ class OutputSettings(TypedDict, total=False):
     Attributes
     ----------
     aggregation : str
-        How the cut sets of several rules become one: an S-norm. ``max`` by default.
+        Combination of the cut sets of several rules: an S-norm. ``max`` by default.
     defuzzifier : str or Defuzzifier
         ``"centroid(101, midpoints)"``, ``"weighted-average"``, …; the exact centroid by
         default.
@@ -105,23 +105,23 @@ class OutputSettings(TypedDict, total=False):
 
 
 class RuleBaseBuilder(AnyRuleBase):
-    """A rule base that is being written; what it means by now is its :attr:`model`.
+    """A rule base under construction; its current value is :attr:`model`.
 
-    Why two classes: a value that many hold (in a cache, a table's origin, another process) must
-    not change under them, and what is written statement by statement must. So a builder
-    adds, and its `model`, the :class:`fuzzyarm.RuleBase` that a file of the same lines would
-    give, never changes, compares and hashes. There is no other difference: either can be called,
-    drawn, checked, compiled and written, and every function of fuzzyarm takes both.
+    Why two classes: a value with many holders (a cache, a table's origin, another process) must
+    not change, a text under construction must. So a builder grows, and its `model`, the
+    :class:`fuzzyarm.RuleBase` of a file with the same lines, never changes, compares and hashes.
+    There is no other difference: either can be called, drawn, checked, compiled and written, and
+    every function of fuzzyarm takes both.
 
-    Names are declared before they are used. Everything of the language can be written: what
-    has no method of its own goes through :meth:`add`. Controllers are text only.
+    Names are declared before use. Statements without a method of their own go through :meth:`add`,
+    so the whole language can be written. Controllers are text only.
 
     Parameters
     ----------
     name : str
-        Of the rule base.
+        Name of the rule base.
     description : str, optional
-        What it is for.
+        Its purpose.
 
     Examples
     --------
@@ -169,12 +169,12 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     @classmethod
     def from_text(cls, text: str) -> RuleBaseBuilder:
-        """Return a builder that goes on after a text.
+        """Return a builder that continues a text.
 
         Parameters
         ----------
         text : str
-            That of a ``.frb`` file; its comments stay.
+            Text of a ``.frb`` file; its comments stay.
 
         Raises
         ------
@@ -188,12 +188,12 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     @classmethod
     def of(cls, rulebase: AnyRuleBase) -> RuleBaseBuilder:
-        """Return a builder that goes on after a rule base, which itself does not change.
+        """Return a builder that continues a rule base, which itself does not change.
 
         Parameters
         ----------
         rulebase : value or builder
-            For instance what :func:`fuzzyarm.load` returns.
+            For instance the result of :func:`fuzzyarm.load`.
         """
         if isinstance(rulebase, RuleBaseBuilder):
             return cls.from_text(str(rulebase))
@@ -220,24 +220,24 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         low, high : float
             Its range, ``low < high``, in the unit of the description; may be infinite.
         description : str, optional
-            What it is, or its unit.
+            Its meaning or unit.
         terms : sequence of str, mapping or str, optional
             A list of names: triangles, spread evenly over the range. A mapping from a name to
             corners (1 a singleton, 2 a rectangle, 3 a triangle, 4 a trapezoid; pairs x, y are
             points), to a :class:`~fuzzyarm.language.model.rulebase.Shape`, or to text as in a file,
             ``"gaussian 5 1"``. Text as in a file spreads another family: ``"gaussians S M L"``.
         outside : str, optional
-            What happens to a value outside the range: ``clamp``, ``extend`` or ``error``.
+            Treatment of values outside the range: ``clamp``, ``extend`` or ``error``.
 
         Returns
         -------
         VariableBuilder
-            To add further terms to.
+            For further terms.
 
         Raises
         ------
         RuleBaseError
-            For everything that would be a mistake in a file; the finding names the argument.
+            For any mistake of the corresponding text; the finding names the argument.
         BuilderArgumentError
             For an argument of another type.
         """
@@ -267,7 +267,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         Returns
         -------
         VariableBuilder
-            To add further terms to.
+            For further terms.
 
         Raises
         ------
@@ -437,7 +437,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         no_rule: float | str | None = None,
         outside: str | None = None,
     ) -> None:
-        """Say how rules are evaluated, and what is so of every variable.
+        """Set the inference methods, and defaults of all variables.
 
         Parameters
         ----------
@@ -476,12 +476,12 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         implication: str | None = None,
         threshold: float | None = None,
     ) -> None:
-        """Begin a block: the rules that follow may use outputs of the rules so far.
+        """Begin a block: the following rules may use outputs of earlier ones.
 
         Parameters
         ----------
         name : str
-            Of the block.
+            Name of the block.
         conjunction, disjunction, implication, threshold
             As of :meth:`inference`, for this block.
 
@@ -509,7 +509,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         bins: Levels | Mapping[str, Levels] | None = None,
         rounding: float | None = None,
     ) -> None:
-        """Say how the lookup table is sampled.
+        """Set the levels, bins and rounding of the lookup table.
 
         Parameters
         ----------
@@ -543,7 +543,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._add(lines)
 
     def expect(self, text: str) -> None:
-        """Say what must come out at a point; :meth:`check` evaluates it.
+        """Demand a result at a point; :meth:`check` evaluates it.
 
         Parameters
         ----------
@@ -576,10 +576,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             (lines.next() if i > 1 else lines).write(line, f"line {i} of text")
         self._add(lines)
 
-    # -- how it grows --
+    # -- growth --
 
     def _add(self, lines: LanguageLines) -> None:
-        """Read the lines of a call; add what they say, or raise what is wrong with them."""
+        """Read the lines of a call and add their statements, or raise their mistakes."""
         document = parse_statements(lines.text, self._line)
         scope = self._known()
         count = len(scope.diagnostics)
@@ -593,7 +593,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
                 judge_statement(statement.node, scope)
             diagnostics += scope.diagnostics[count:]
         if any(finding.is_error for finding in diagnostics):
-            self._scope = None  # it has parts of what is not added
+            self._scope = None  # it contains parts of the rejected lines
             raise RuleBaseError(self._in_call(lines, document, diagnostics))
         self._calls.append((self._line, lines))
         self._line += lines.count
@@ -611,7 +611,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._model = None
 
     def _known(self) -> Scope:
-        """Return the names that have been declared."""
+        """Return the declared names."""
         if self._scope is None:
             from fuzzyarm.language.declarations import Scope
 
@@ -623,7 +623,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
     def _in_call(
         self, lines: LanguageLines, document: Document, findings: Sequence[Diagnostic]
     ) -> list[Diagnostic]:
-        """Return what is wrong with the lines of a call, by its arguments."""
+        """Return the mistakes in the lines of a call, by argument."""
         offset = 1 - self._line
         if document.diagnostics:
             # Notations of other programs are explained as in a file.
@@ -641,7 +641,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         draft = self._known().drafts.get(name)
         return [] if draft is None else list(draft.terms)
 
-    # -- what it means --
+    # -- value --
 
     @property
     def name(self) -> str:
@@ -653,7 +653,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     @property
     def model(self) -> RuleBase:
-        """The rule base as it is now: the value that a file of the same text gives.
+        """The current rule base: the value of a file with the same text.
 
         Raises
         ------
@@ -661,7 +661,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             If it is not complete (it has no rules, or no output).
         """
         if self._model is None:
-            # Read from the text, so that a trace names the lines that `print` shows.
+            # Read from the text, so that a trace has the line numbers of `print`.
             parsed = parse(str(self), f"<{self.name}>", self._memory)
             if parsed.rulebase is None:
                 raise RuleBaseError(self._review().diagnostics or parsed.diagnostics)
@@ -669,13 +669,13 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return self._model
 
     def check(self) -> Review:
-        """Return what `fuzzyarm check` says of the text: mistakes, else doubts.
+        """Return the findings of `fuzzyarm check`: mistakes, else doubts.
 
         Returns
         -------
         fuzzyarm.exchange.files.Review
-            Each of its `diagnostics` names the call and the argument in question; ``print``
-            shows them. Never raises for what is wrong.
+            Each of its `diagnostics` names the call and the argument in question; ``print`` shows
+            them. Never raises for mistakes.
         """
         return self._review()
 
@@ -695,7 +695,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return finding
 
     def __str__(self) -> str:
-        """Return the text of its file so far."""
+        """Return the current text of its file."""
         document = Document(tuple(self._statements), self._ending, self._allowed)
         return print_document(document)
 
@@ -718,7 +718,7 @@ _SECTIONS = (
     (LookupNode,),
     (ExpectNode, ProveNode),
 )
-"""Statements between which a file has no blank line."""
+"""Statements of a group, which a file does not separate by blank lines."""
 
 
 def _section(node: StatementNode) -> int:
@@ -728,7 +728,7 @@ def _section(node: StatementNode) -> int:
 
 
 def _moved(span: Span, lines: int) -> Span:
-    """Return a span so many lines further down."""
+    """Return a span moved down by some lines."""
     return span._replace(line=span.line + lines, end_line=span.end_line + lines)
 
 
@@ -745,7 +745,7 @@ def _by_input(
 
 
 class VariableBuilder(Plotted):
-    """An input or output of a rule base that is being written.
+    """An input or output of a rule base under construction.
 
     Attributes
     ----------
@@ -763,7 +763,7 @@ class VariableBuilder(Plotted):
         Parameters
         ----------
         name : str
-            Of the term.
+            Name of the term.
         shape : float, sequence, Shape or str
             As in the mapping of :meth:`RuleBaseBuilder.input`.
         """
@@ -771,7 +771,7 @@ class VariableBuilder(Plotted):
 
     @property
     def model(self) -> Input | Output:
-        """The variable as it is now, as a value."""
+        """The current variable as a value."""
         document = Document(tuple(self._rulebase._statements))
         return elaborate(document)[0].variable(self.name)
 
@@ -780,5 +780,5 @@ class VariableBuilder(Plotted):
 
 
 def _name_of(variable: str | VariableBuilder | None) -> Any:
-    """Return the name of a variable, however it is given."""
+    """Return the name of a variable, given in any form."""
     return variable.name if isinstance(variable, VariableBuilder) else variable

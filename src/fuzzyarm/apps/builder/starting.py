@@ -1,7 +1,7 @@
-"""The text of a file to start from, with comments: what ``fuzzyarm new`` and the designer write.
+"""Starting files with comments, for ``fuzzyarm new`` and the designer.
 
-A rule base that passes a check (a grid whose terms rise with the inputs, for one or two inputs, and
-what must come out), a controller of the motor around a rule base, or a heading alone.
+A rule base that passes a check (one or two inputs, a grid whose terms rise with them, an
+expectation), a controller of the motor around a rule base, or a heading alone.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from fuzzyarm.language.tokens import name_text
 
 @dataclass(frozen=True, slots=True)
 class StartingFile:
-    """What a starting file is for: its first line, its descriptions and its variables."""
+    """A kind of starting file: its purpose, descriptions and variables."""
 
     purpose: str
     descriptions: tuple[str, str, str]
@@ -34,7 +34,7 @@ class StartingFile:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """A variable as it was asked for: its range and its terms from low to high."""
+    """A requested variable: its range and its terms from low to high."""
 
     name: str
     low: float
@@ -69,7 +69,7 @@ STARTS = {
     ),
     "single": StartingFile(
         "The output follows one input.",
-        ("what is measured", "", "what is done about it"),
+        ("measured value", "", "actuation"),
         ("x 0..10 LOW MIDDLE HIGH",),
         "y 0..1 LOW MIDDLE HIGH",
     ),
@@ -81,13 +81,13 @@ BLANK, CONTROLLER = "blank", "controller"
 PURPOSES = {
     BLANK: "A heading alone: variables, terms and rules are yours.",
     **{name: start.purpose for name, start in STARTS.items()},
-    CONTROLLER: "A rule base on a plant: where its errors come from, gains, and what is driven.",
+    CONTROLLER: "A rule base on a plant: errors of its ports, gains and actuators.",
 }
-"""All kinds of starting files by name: what each is for."""
+"""All kinds of starting files by name, with their purposes."""
 
 
 class NewFileError(FuzzyarmError, ValueError):
-    """A starting file that cannot be written as it was asked for."""
+    """A starting file cannot be written as requested."""
 
 
 _WISH = re.compile(
@@ -97,7 +97,7 @@ _WISH = re.compile(
 
 
 def read_wish(text: str) -> Wish:
-    """Return the variable that a line ``NAME LOW..HIGH TERM…`` asks for."""
+    """Return the variable of a line ``NAME LOW..HIGH TERM…``."""
     match = _WISH.match(text)
     if match is None:
         raise NewFileError(f"'{text}' is not of the form NAME LOW..HIGH TERM…")
@@ -154,7 +154,7 @@ def starting_text(
         "lookup  # how `fuzzyarm compile` samples the rules to a table",
         *_levels(inputs),
         "",
-        "# What must come out; `fuzzyarm check` evaluates it.",
+        "# The expected output; `fuzzyarm check` verifies it.",
         _expectation(inputs, output),
         "",
     ]
@@ -168,8 +168,8 @@ _SUGENO = (
 
 _BLANK = """\
 # First inputs and outputs, then their terms, then the rules.
-# `fuzzyarm check` says what is missing.
-rulebase {} "what it is for"
+# `fuzzyarm check` lists the missing parts.
+rulebase {} "its purpose"
 """
 
 # --- A controller around a rule base ---
@@ -177,14 +177,14 @@ rulebase {} "what it is for"
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """The plant of a starting controller, and what its lines are there.
+    """The plant of a starting controller, with its lines.
 
-    `signals` make an input each, with the unit of its gain and the value at which the input is at
-    its end; `drive` makes the port of what the rules say.
+    `signals` feed an input each, with the unit of its gain and the signal value at the input's end;
+    `drive` makes the port from the rules' output.
     """
 
     plant: str
-    what: str
+    purpose: str
     period: str
     axis: str
     first: tuple[str, ...]
@@ -248,7 +248,7 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
         lines.append(f"{result} = {call} * G_{result}")
     title = printable(file).replace('"', "'")
     text = [
-        f"# {ground.what}, by the rules of {title}.",
+        f"# {ground.purpose}, by the rules of {title}.",
         f"# Run it with `fuzzyarm simulate {typed(f'{name}.frb')} --plant {ground.plant}`.",
         "# For another plant other ports stand behind `of` and `drive`, and gains fit its units.",
         f'controller {name_text(name)} "{title} on the plant {ground.plant}"',
@@ -267,13 +267,13 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
 
 
 def _reach(variable: Input | Output) -> float:
-    """Return how far a variable goes from 0; 1 where it has no end."""
+    """Return the greatest magnitude of a variable; 1 if it is unbounded."""
     ends = [abs(end) for end in (variable.low, variable.high) if math.isfinite(end)]
     return max(ends, default=1.0) or 1.0
 
 
 def _gain(name: str, value: float, unit: str) -> str:
-    # Two digits: it is a number to begin with, and a person is to change it.
+    # Two digits: it is a first guess for a person to change.
     near = float(f"{value:.2g}")
     low, high = (number_text(float(f"{factor * near:.2g}")) for factor in (0.1, 10.0))
     return f'gain {name} = {number_text(near)} "{unit}", tune {low} .. {high} log'
@@ -293,8 +293,8 @@ def _demand_sound(wishes: list[Wish]) -> None:
 
 
 def _with_allowances(text: str) -> str:
-    """Say where the wishes leave a doubt (an output without a middle term, for instance)."""
-    # A repair moves the positions behind it: one at a time, at most one for each line.
+    """Allow the doubts that a request leaves, such as an output without a middle term."""
+    # A repair moves the positions after it: one at a time, at most one for each line.
     for _ in range(text.count("\n")):
         doubts = check_text(text).diagnostics
         repairs = [fix for doubt in doubts for fix in fixes(doubt, text) if not fix.preferred]

@@ -1,4 +1,4 @@
-"""A report on one export for a safety case: what it was made of, and how it was tried."""
+"""A report on one export for a safety case: provenance and tests."""
 
 from typing import TYPE_CHECKING
 

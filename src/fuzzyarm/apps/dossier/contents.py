@@ -45,8 +45,8 @@ class ReportedFile:
 class ExportReport:
     """A report on an export."""
 
-    source: ReportedFile = entry("what it was made of")
-    used: list[ReportedFile] = entry("what it reads beside itself")
+    source: ReportedFile = entry("the exported file")
+    used: list[ReportedFile] = entry("files that it reads")
     settings: Mapping[str, Any] = entry("every option of the export")
     written: list[ReportedFile] = entry("the export")
     functions: list[ExportedFunction] = entry(
@@ -76,7 +76,7 @@ def write_report(folder: str | Path, report: ExportReport) -> None:
     Raises
     ------
     ForeignFolderError
-        If the folder holds what is somebody else's.
+        If the folder has files of others.
     """
     data = jsonable(report)
     text = json.dumps(data, indent=2, allow_nan=False) + "\n"

@@ -103,7 +103,7 @@ class ExportSize:
 
 
 def tried(exported: Exported | ExportedController) -> ExportTrial:
-    """Compile what is exported with gcc, run it by its points, and read what gcov counted."""
+    """Compile an export with gcc, run it at its points, and read the counts of gcov."""
     for program in ("gcc", "gcov"):
         if shutil.which(program) is None:
             raise ExportError(f"a report needs {program}, which is not here", hint="install gcc")
@@ -133,11 +133,11 @@ def tried(exported: Exported | ExportedController) -> ExportTrial:
 
 
 Case = tuple[str, tuple[float, ...], tuple[float, ...], float]
-"""The function, its inputs, what has to come out, and how far off it may be."""
+"""Function, inputs, expected outputs and tolerance."""
 
 
 def _points(exported: Exported, stem: str) -> tuple[list[Case], str]:
-    """Return the points of all routines, and the program that prints what comes out."""
+    """Return the points of all routines, and the program that prints the results."""
     cases: list[Case] = []
     lines: list[str] = []
     for routine, call in zip(exported.routines, exported.calls, strict=True):
@@ -201,7 +201,7 @@ def _read(text: str) -> float:
 
 
 def _counted(folder: Path, source: str) -> Mapping[str, Any]:
-    """Return what gcov says of a source."""
+    """Return gcov's report about a source."""
     _run(["gcov", "--branch-probabilities", "--json-format", "own.o"], folder)
     (packed,) = folder.glob("*own*.gcov.json.gz")
     with gzip.open(packed, "rt", encoding="utf-8") as file:
@@ -261,5 +261,5 @@ def sizes(exported: Exported | ExportedController) -> list[ExportSize]:
 
 
 def _run(words: Sequence[str], folder: Path) -> str:
-    """Run a program and return what it prints."""
+    """Run a program and return its output."""
     return run_tool(words, folder, _SECONDS).stdout

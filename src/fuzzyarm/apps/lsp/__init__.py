@@ -1,7 +1,7 @@
-"""The language server: what :mod:`fuzzyarm.language.edit` answers, over the protocol.
+"""The language server: the answers of :mod:`fuzzyarm.language.edit`, over the protocol.
 
-Needs the extra ``lsp``: :func:`fuzzyarm.apps.lsp.features.make_server`. The open files
-named here know nothing of the protocol's library.
+Needs the extra ``lsp``: :func:`fuzzyarm.apps.lsp.features.make_server`. The open files here are
+independent of the protocol's library.
 """
 
 from typing import TYPE_CHECKING

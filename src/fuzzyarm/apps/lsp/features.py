@@ -1,4 +1,4 @@
-"""Each feature of the protocol: a question about an open file, and the answer in its words."""
+"""The features of the protocol: a query about an open file, and its answer in protocol types."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fuzzyarm.language.edit import COLOURS, RenameError
 
 
 def _initialized(server: FuzzyarmServer, params: types.InitializedParams) -> None:
-    """Load what the first check of a sound file needs, so that it is as quick as the others."""
+    """Preload the modules for the check of a sound file, so that the first check is fast."""
     import fuzzyarm.inference
     import fuzzyarm.language.check  # noqa: F401
 
@@ -113,11 +113,11 @@ def _folding(
 def _formatting(
     session: Session, to: Converter, params: types.DocumentFormattingParams
 ) -> list[types.TextEdit] | None:
-    """Return the canonical text as one edit; nothing for a file with mistakes."""
+    """Return the canonical text as one edit; None for a file with mistakes."""
     formatted = session.kind.formatted(session.reading)
     if formatted is None or formatted == session.text:
         return None if formatted is None else []
-    # Behind the last line, which the protocol takes for the end of the text.
+    # Behind the last line: the end of the text in the protocol.
     end = types.Position(len(session.lines) + 1, 0)
     return [types.TextEdit(types.Range(types.Position(0, 0), end), formatted)]
 
@@ -157,7 +157,7 @@ _EVENTS: tuple[tuple[str, Callable[..., None]], ...] = (
     (types.TEXT_DOCUMENT_DID_CHANGE, _did_change),
     (types.TEXT_DOCUMENT_DID_CLOSE, _did_close),
 )
-"""What an editor tells → what is done."""
+"""Notifications of an editor → their handlers."""
 
 _QUESTIONS: tuple[tuple[str, Callable[..., Any], Any], ...] = (
     (
@@ -185,7 +185,7 @@ _QUESTIONS: tuple[tuple[str, Callable[..., Any], Any], ...] = (
         types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
     ),
 )
-"""What an editor asks of an open file → the answer, and how the server announces it."""
+"""Requests of an editor about an open file → handler and server capability."""
 
 
 def _answered_by(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -211,10 +211,10 @@ def make_server() -> FuzzyarmServer:
     for name, function in _EVENTS:
         server.feature(name)(function)
     for name, function, options in _QUESTIONS:
-        # Repairs are those of findings: they wait for the check.
+        # Repairs belong to findings: they wait for the check.
         answered = _answered_when_checked if function is _code_actions else _answered_by
         server.feature(name, options)(answered(function))
-    # What has been imported lives as long as the process: never look through it again.
+    # Imported modules live as long as the process: exclude them from garbage collection.
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 50)

@@ -1,4 +1,4 @@
-"""From fuzzyarm's words to the protocol's, and back."""
+"""Conversion between fuzzyarm's types and the protocol's."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ _SYMBOL_KINDS = {
 
 @dataclass(frozen=True, slots=True)
 class Converter:
-    """Positions in one text under one encoding.
+    """Positions in a text under an encoding.
 
     Attributes
     ----------
     uri : str
-        The text.
+        URI of the text.
     lines : sequence of str
         Its lines without their ends.
     encoding : str
-        The unit of the protocol's columns.
+        Unit of the protocol's columns.
     snippets : bool
-        Whether the editor takes completions with fields to fill in.
+        Whether the editor supports completions with placeholders.
     """
 
     uri: str
@@ -65,13 +65,13 @@ class Converter:
         return to_place(self.lines, position.line, position.character, self.encoding)
 
     def range(self, span: Span) -> types.Range:
-        """Return a span as the protocol counts."""
+        """Return a span as a range of the protocol."""
         start = to_position(self.lines, span.line, span.column, self.encoding)
         end = to_position(self.lines, span.end_line, span.end_column, self.encoding)
         return types.Range(types.Position(*start), types.Position(*max(start, end)))
 
     def span(self, where: types.Range) -> Span:
-        """Return a range as fuzzyarm counts."""
+        """Return a range of the protocol as a span."""
         return Span(*self.line_and_column(where.start), *self.line_and_column(where.end))
 
     def location(self, span: Span) -> types.Location:
@@ -79,7 +79,7 @@ class Converter:
         return types.Location(self.uri, self.range(span))
 
     def diagnostic(self, finding: Diagnostic) -> types.Diagnostic:
-        """Return a finding with its hint, its other positions and what a quick fix needs."""
+        """Return a finding with its hint, its related positions and the data of its quick fix."""
         unused = finding.name in ("unused-term", "unused-variable", "duplicate-rule")
         return types.Diagnostic(
             range=self.range(finding.span),
@@ -101,7 +101,7 @@ class Converter:
         return types.WorkspaceEdit(changes={self.uri: changes})
 
     def completion(self, candidate: Completion, rank: int) -> types.CompletionItem:
-        """Return a candidate; `rank` keeps the order."""
+        """Return a candidate; `rank` determines the order."""
         snippet = candidate.snippet if self.snippets else ""
         text = snippet or candidate.insert
         edit = types.TextEdit(self.range(candidate.span), text) if candidate.span else None
@@ -130,7 +130,7 @@ class Converter:
         )
 
     def semantic_tokens(self, words: Iterable[Coloured]) -> list[int]:
-        """Return coloured words in the protocol's numbers, each relative to the one before."""
+        """Return coloured words as protocol numbers, each relative to the previous one."""
         data: list[int] = []
         last_line = last_start = 0
         for word in words:

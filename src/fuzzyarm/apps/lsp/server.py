@@ -1,4 +1,4 @@
-"""The server: every feature, answered from the sessions of the open files."""
+"""The server: handlers of every feature, with a session for each open file."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from fuzzyarm.version import __version__
 
 
 class Protocol(LanguageServerProtocol):
-    """The protocol with the texts kept in sessions, and an answer to every request.
+    """The protocol with texts in sessions, and an answer to every request.
 
-    The library's own copies of the texts would end lines where the protocol does not (at
-    form feeds and other separators), every change would be made twice, and each would leave
-    a future behind.
+    The library's own copies of the texts would break lines where the protocol does not (at
+    form feeds and other separators), would apply every change a second time, and would leave
+    a future behind for each.
     """
 
     @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
@@ -43,7 +43,7 @@ class Protocol(LanguageServerProtocol):
         self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE](params)
 
     def structure_message(self, data: dict[str, Any]) -> Any:
-        """Answer a request whose parameters cannot be read: the library only writes a log."""
+        """Answer a request with invalid parameters: the library only logs it."""
         try:
             return super().structure_message(data)
         except JsonRpcException:
@@ -54,7 +54,7 @@ class Protocol(LanguageServerProtocol):
             return None
 
     def handle_message(self, message: Any) -> None:
-        """Refuse what is not a message; None stands for one that has been answered already."""
+        """Refuse anything but a message; None is a message with an answer already."""
         if hasattr(message, "jsonrpc"):
             super().handle_message(message)
         elif message is not None:
@@ -62,7 +62,7 @@ class Protocol(LanguageServerProtocol):
 
 
 def _strict_converter() -> Any:
-    """Return the library's converter, which would take 1.5 for a line and 5 for a name."""
+    """Return the library's converter, made strict: it would accept 1.5 for a line, 5 for a name."""
     converter: Any = default_converter()  # type: ignore[no-untyped-call]
 
     def exactly(value: Any, kind: type) -> Any:
@@ -78,10 +78,10 @@ def _strict_converter() -> Any:
 
 
 class MessageStream:
-    """The input of the server, with every broken head of a message passed over.
+    """The server's input, without malformed message headers.
 
-    The library waits for one head per line; after a broken one it would take the following
-    messages for heads.
+    The library expects one header per line; after a malformed one it would take the following
+    messages for headers.
     """
 
     _HEAD = re.compile(rb"Content-Length: *(\d{1,8})\r?\n\Z", re.IGNORECASE)
@@ -94,7 +94,7 @@ class MessageStream:
         return self._stream.read(size)
 
     def readline(self) -> bytes:
-        """Return the next line; of one that ends with a head only the head."""
+        """Return the next line, reduced to the header at its end."""
         line = self._stream.readline()
         head = self._HEAD.search(line)
         if head is not None:
@@ -103,11 +103,11 @@ class MessageStream:
 
 
 class _OutdatedError(Exception):
-    """The text that is being checked has changed."""
+    """The text has changed during its check."""
 
 
 class _Running(NamedTuple):
-    """A check that runs, and what tells it that its text has changed."""
+    """A running check, with the event that cancels it."""
 
     task: asyncio.Task[None]
     outdated: threading.Event
@@ -131,7 +131,7 @@ class FuzzyarmServer(LanguageServer):
 
     @property
     def encoding(self) -> str:
-        """The code unit that was agreed with the editor."""
+        """The code unit agreed with the editor."""
         agreed = self.workspace.position_encoding or UTF16
         return str(getattr(agreed, "value", agreed))
 
@@ -142,7 +142,7 @@ class FuzzyarmServer(LanguageServer):
         return self.sessions[uri]
 
     def converter(self, uri: str) -> Converter:
-        """Return what turns positions in an open file into lines and columns, and back."""
+        """Return the converter of positions in an open file."""
         capabilities = self.client_capabilities.text_document
         completion = capabilities.completion if capabilities else None
         item = completion.completion_item if completion else None
@@ -170,18 +170,18 @@ class FuzzyarmServer(LanguageServer):
         self._schedule(params.text_document.uri)
 
     def close(self, uri: str) -> None:
-        """Forget a file and what was found in it."""
+        """Forget a file and its findings."""
         self.sessions.pop(uri, None)
         self._cancel(uri)
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     # ── diagnostics ──────────────────────────────────────────────────────────────────
     #
-    # A check runs in its own thread, on a copy, and questions are answered beside it. The
-    # next key stroke ends it: its findings would be about an old text.
+    # A check runs in its own thread on a copy, while requests are answered. The next key stroke
+    # cancels it: its findings would be about an old text.
 
     def _schedule(self, uri: str, *, pause: bool = True) -> None:
-        """Check a file soon: at once if that is quick, else (with `pause`) when typing pauses."""
+        """Schedule a check: at once if it is fast, else (with `pause`) when typing pauses."""
         self._cancel(uri)
         cost = self.sessions[uri].cost
         delay = 0.0 if cost < SLOW or not pause else min(1.5, 2.0 * cost)

@@ -1,4 +1,4 @@
-"""One open file, and the positions of the protocol in its text. Free of the protocol's library."""
+"""One open file, with positions in the protocol's units; independent of the protocol's library."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from fuzzyarm.language.statements import GridNode
 if TYPE_CHECKING:
     from fuzzyarm.proof.map import Verdict
 
-# --- Between the protocol's positions, in code units from 0, and lines and columns from 1 ---
+# --- Protocol positions (code units, from 0) and lines and columns (from 1) ---
 #
 # The protocol ends lines at CR LF, LF and CR only, as the language does.
 
@@ -62,9 +62,9 @@ def units(text: str, encoding: str = UTF16) -> int:
 
 
 def characters(text: str, count: int, encoding: str = UTF16) -> int:
-    """Return how many characters of `text` the first `count` code units are.
+    """Return the number of characters in the first `count` code units of `text`.
 
-    A count beyond the end is the end; one in the middle of a character is its start.
+    A count beyond the end means the end; one inside a character means its start.
     """
     if encoding == UTF32 or text.isascii():
         return max(0, min(count, len(text)))
@@ -77,7 +77,7 @@ def characters(text: str, count: int, encoding: str = UTF16) -> int:
 
 
 def to_position(lines: Sequence[str], line: int, column: int, encoding: str) -> tuple[int, int]:
-    """Return line and code unit, from 0, of a position that counts from 1."""
+    """Return line and code unit, from 0, of a position counted from 1."""
     text = lines[line - 1] if 1 <= line <= len(lines) else ""
     return line - 1, units(text[: column - 1], encoding)
 
@@ -89,7 +89,7 @@ def to_place(lines: Sequence[str], line: int, character: int, encoding: str) -> 
 
 
 Range = tuple[int, int, int, int]
-"""Start line and character, end line and character, as the protocol counts."""
+"""Start line and character, end line and character, in the protocol's units."""
 
 
 def _change_text(text: str, where: Range | None, new: str, encoding: str = UTF16) -> str:
@@ -116,7 +116,7 @@ def _offset(text: str, starts: list[int], line: int, character: int, encoding: s
 
 @dataclass(frozen=True, slots=True)
 class FileKind:
-    """What an editor asks of a kind of files; everything but `read` takes what that returns.
+    """The editing functions of a kind of file; all but `read` take its result.
 
     Attributes
     ----------
@@ -127,15 +127,15 @@ class FileKind:
     name_at : callable
         The name there and its span, or None.
     occurrences : callable
-        Every span of the name there, and whether it is declared in it.
+        All spans of the name there, and whether each is a declaration.
     rename : callable
-        The edits that give the name there another one; or raises RenameError.
+        The edits of a new name; may raise RenameError.
     symbols, folds, coloured : callable
-        The outline, what can be folded away, and the words with a colour.
+        The outline, the foldable ranges, and the coloured words.
     fixes : callable
         The repairs of a diagnostic.
     formatted : callable
-        The canonical text, or None where the text has mistakes or something to lose.
+        The canonical text, or None if the text has mistakes or would lose something.
     """
 
     read: Callable[[str, str, ParseMemory], Any]
@@ -175,7 +175,7 @@ def _formatted(reading: Reading) -> str | None:
 
 
 def _ports(reading: Reading) -> Facts:
-    """Return the ports of the plants that have the axes of a controller."""
+    """Return the ports of the plants with the axes of a controller."""
     if reading.parsed.whole is None:
         return {}
     from fuzzyarm.control.controllers.findings import plants_in_words, ports_in_words
@@ -188,7 +188,7 @@ def _ports(reading: Reading) -> Facts:
 
 
 def _facts(reading: Reading) -> Facts:
-    """Return its ports, and where its signals can be."""
+    """Return a controller's ports and the ranges of its signals."""
     controller = reading.parsed.controller
     if controller is None:
         return _ports(reading)
@@ -227,10 +227,10 @@ TABLE = FileKind(
 )
 
 
-# --- One open file: its text, what reading it found, and the findings of its check ---
+# --- An open file: text, reading and findings ---
 
 SLOW = 0.2
-"""A file whose check takes longer, in seconds, is read beside the answering of questions too."""
+"""Duration of a check in seconds from which on the file is read in a thread, too."""
 
 
 class Session:
@@ -241,7 +241,7 @@ class Session:
     path : str
         Named in the diagnostics; ``.lut`` makes it a table.
     text : str
-        The text when it is opened.
+        The text on opening.
     version : int or None
         The editor's number for this state of the text.
     """
@@ -251,7 +251,7 @@ class Session:
         self.text = text
         self.version = version
         self.kind = TABLE if path.lower().endswith(".lut") else RULE_BASE
-        # Until it has been measured, what a check costs is guessed from the length.
+        # Until the first measurement the duration of a check is estimated from the length.
         self.cost = 2e-6 * len(text)
         self._elapsed = 0.0
         self._judged: tuple[RuleBase, list[Span], Judgement] | None = None
@@ -273,12 +273,12 @@ class Session:
             self._reading = self._review = None
 
     def change(self, where: Range | None, new: str, encoding: str = UTF16) -> None:
-        """Take one change as an editor sends it."""
+        """Apply a change from an editor."""
         self.replace(_change_text(self.text, where, new, encoding), self.version)
 
     @property
     def reading(self) -> Any:
-        """The text as it is now, read: a `Reading`, or a `TableText`."""
+        """The current text, read: a `Reading`, or a `TableText`."""
         if self._reading is None:
             self._reading = self.kind.read(self.text, self.path, self._memory)
             self._last_reading = self._reading
@@ -286,9 +286,9 @@ class Session:
 
     @property
     def quick_reading(self) -> Any:
-        """The words of the text as it is now; of a large rule base with the meaning it had last.
+        """The words of the current text; in a large rule base with the previous meaning.
 
-        Good for completion: the names are known, and a key stroke rarely changes them.
+        For completion: the names are known, and a key stroke rarely changes them.
         """
         slow = self._reading is None and self.cost >= SLOW
         if not slow or not isinstance(self._last_reading, Reading):
@@ -298,18 +298,18 @@ class Session:
 
     @property
     def reviewed(self) -> bool:
-        """Whether the findings for the text as it is now are known."""
+        """Whether the findings of the current text are known."""
         return self._review is not None
 
     def review(self, on_step: Callable[[], None] = lambda: None) -> Review:
-        """Return the findings for the text as it is now: those of ``fuzzyarm check``.
+        """Return the findings of the current text, as in ``fuzzyarm check``.
 
-        `on_step` is called now and then; what it raises ends the check.
+        `on_step` is called at intervals; an exception from it ends the check.
         """
         if self._review is None:
             start = time.perf_counter()
             self._review = self._check(on_step)
-            # The lesser of two: a single hiccup of the machine makes no file slow.
+            # The lesser of two measurements: a single hiccup of the machine makes no file slow.
             elapsed = time.perf_counter() - start
             self.cost, self._elapsed = min(elapsed, self._elapsed or self.cost), elapsed
         return self._review
@@ -324,7 +324,7 @@ class Session:
     def _failed(
         self, rulebase: RuleBase | None, on_step: Callable[[], None]
     ) -> list[Diagnostic] | None:
-        """Return the promises that fail; those found last, if nothing has changed in meaning."""
+        """Return the failed promises; the previous ones if the meaning is unchanged."""
         if rulebase is None or not (rulebase.expectations or rulebase.properties):
             return None
         judged, spans = self._judged, [expectation.span for expectation in rulebase.expectations]
@@ -336,7 +336,7 @@ class Session:
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """The verdicts on the ``prove`` lines; none before the text as it is now is reviewed."""
+        """The verdicts on the ``prove`` lines, after a review of the current text."""
         return () if self._judged is None or self._review is None else self._judged[2].verdicts
 
     def hover(self, line: int, column: int) -> Hover | None:
@@ -349,7 +349,7 @@ class Session:
         return Hover(f"{answer.markdown}\n\n{text}", answer.span)
 
     def copy(self) -> Session:
-        """Return a session to be checked in another thread; what is quick is read here."""
+        """Return a session for a check in another thread; the fast parts are read here."""
         other = Session(self.path, self.text, self.version)
         other.cost, other._elapsed, other._judged = self.cost, self._elapsed, self._judged
         if self.cost < SLOW:
@@ -357,7 +357,7 @@ class Session:
         return other
 
     def adopt(self, other: Session) -> bool:
-        """Take over what a copy found, if it is about the same text; return whether it is."""
+        """Adopt the findings of a copy with the same text; return whether it has it."""
         if other.text != self.text:
             return False
         self._reading = self._last_reading = other.reading

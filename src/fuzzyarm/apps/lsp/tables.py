@@ -1,4 +1,4 @@
-"""What an editor asks of a ``.lut`` file; the words of a table are its keywords and its names."""
+"""Editing functions of ``.lut`` files; the words of a table are keywords and names."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _WORDS = {"row", "column", "page", "when", "step", "count", "mirrored", *_CHOICE
 
 
 class TableText:
-    """A table text cut into words.
+    """A table text in words.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class TableText:
 
     @property
     def declared(self) -> list[Token]:
-        """The names of the inputs and the output where they are declared."""
+        """The names of the inputs and the output at their declarations."""
         return [
             line[1]
             for line in self.tokens
@@ -56,7 +56,7 @@ class TableText:
 
     @property
     def names(self) -> list[str]:
-        """The inputs and the output, as far as the header can be read."""
+        """The inputs and the output, if the header is readable."""
         return list(dict.fromkeys(token.text for token in self.declared))
 
     def formatted(self) -> str | None:
@@ -66,14 +66,14 @@ class TableText:
         return write_lut(self.parsed.table)
 
     def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
-        """Return the input or output that a cursor touches."""
+        """Return the input or output at a cursor."""
         for token in self._line(line):
             if token.column <= column <= token.end and token.text in self.names:
                 return token.text, token.span
         return None
 
     def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
-        """Return every occurrence of the name at a position, and whether it is declared there."""
+        """Return all occurrences of the name at a position, and whether each is a declaration."""
         name_and_span = self.name_at(line, column)
         return [] if name_and_span is None else self._occurrences(name_and_span[0])
 
@@ -82,12 +82,12 @@ class TableText:
             (token.span, token in self.declared)
             for line in self.tokens
             for index, token in enumerate(line)
-            # At the start of a line a keyword is one, whatever an input is called.
+            # At the start of a line a keyword is a keyword, whatever the inputs' names.
             if token.text == name and _is_name(token) and (index or token.text not in KEYWORDS)
         ]
 
     def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
-        """Return the edits that give the name at a position another one, or raise RenameError."""
+        """Return the edits of a new name at a position, or raise RenameError."""
         name_and_span = self.name_at(line, column)
         if name_and_span is None:
             raise RenameError("no input or output at this position")
@@ -99,12 +99,12 @@ class TableText:
         return [Edit(span, name_text(name)) for span, _ in self._occurrences(name_and_span[0])]
 
     def complete(self, line: int, column: int) -> list[Completion]:
-        """Return the words that are possible at a position of the header."""
+        """Return the possible words at a position of the header."""
         before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
         column = len(before) + 1
         match = re.search(r"[^\W\d][\w-]*\Z", before)
         start = match.start() + 1 if match else column
-        # In a comment, or in a string that is still open.
+        # In a comment, or in an open string.
         if "#" in before or before.count('"') % 2:
             return []
         span = Span(line, start, line, column)
@@ -113,7 +113,9 @@ class TableText:
         if not tokens:
             if self.grids and line > self.grids[0]:
                 return [Completion("grid", "keyword", "grid", KEYWORDS["grid"], span=span)]
-            return [Completion(w, "keyword", w, what, span=span) for w, what in KEYWORDS.items()]
+            return [
+                Completion(w, "keyword", w, meaning, span=span) for w, meaning in KEYWORDS.items()
+            ]
         words = _CHOICES.get(first, ())
         if first == "index" and tokens[-1].text in words:
             words = tuple(n for n in self.names if n not in {t.text for t in tokens})
@@ -167,7 +169,7 @@ class TableText:
         return Hover(f"**{plain(value)}** at {plain(cell + more)}", _span(line, words[at]))
 
     def cell_span(self, cell: Sequence[int]) -> Span | None:
-        """Return where the number of a cell stands, by its index."""
+        """Return the position of a cell's number, by its index."""
         header = self.parsed.header
         if header is None:
             return None
@@ -178,7 +180,7 @@ class TableText:
             return None
         row = cell[-2] if len(cell) > 1 else 0
         below = [n for n in range(self.grids[page] + 1, len(self.lines) + 1) if self._words(n)]
-        # The first line below is that of the columns, the first word of the others a level.
+        # The first line below is that of the columns; the others begin with a level.
         words = self._words(below[row + 1]) if len(below) > row + 1 else []
         return _span(below[row + 1], words[cell[-1] + 1]) if len(words) > cell[-1] + 1 else None
 
@@ -218,7 +220,7 @@ class TableText:
         return end
 
     def coloured(self) -> list[Coloured]:
-        """Return every word that has a colour."""
+        """Return the coloured words."""
         names = set(self.names)
         colours: list[Coloured] = []
         for number, tokens in enumerate(self.tokens, start=1):

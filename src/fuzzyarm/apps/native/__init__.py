@@ -1,9 +1,9 @@
-"""Machine code of the kernels: which are built, how they are compiled, and the module for Python.
+"""Machine code of the kernels: their list, compilation, and the Python module.
 
 :mod:`fuzzyarm.apps.native.roots` lists the kernels, :mod:`fuzzyarm.apps.native.build` prints them
-in C (:mod:`fuzzyarm.symbolic.translation`) and compiles them with ``module.c``, when fuzzyarm
-itself is built. A running fuzzyarm needs nothing of this package; :mod:`fuzzyarm.symbolic.kernels`
-loads what it made.
+in C (:mod:`fuzzyarm.symbolic.translation`) and compiles them with ``module.c`` when fuzzyarm
+itself is built. A running fuzzyarm needs nothing of this package;
+:mod:`fuzzyarm.symbolic.kernels` loads the module.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""What compiling for another platform takes beside its compiler: headers and names of Python.
+"""Cross-compilation beside the compiler: headers and symbols of Python.
 
-The headers of the stable ABI are the same everywhere except for ``pyconfig.h``, which says what the
-platform of an installation has. Windows looks for every symbol in a named library when a module is
-linked: its import library is made of the names that the headers declare.
+The headers of the stable ABI are the same everywhere except for ``pyconfig.h``, which describes the
+platform of an installation. Windows looks up every symbol in a named library at link time; its
+import library is made of the names in the headers.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ _PYCONFIG = """\
 
 _DECLARED = re.compile(r"PyAPI_(FUNC|DATA)\s*\([^()]*\)\s*(_?Py\w+)")
 _RENAMED = re.compile(r"^# *define +Py\w+ +(_Py\w+_SizeT)$", re.MULTILINE)
-"""Where ``PY_SSIZE_T_CLEAN`` is defined, functions that read formats are others."""
+"""With ``PY_SSIZE_T_CLEAN``, functions that read formats have other names."""
 
 
 def headers_for_any_platform(folder: Path) -> Path:
-    """Write Python's headers into a folder, such that they serve on every platform."""
+    """Write Python's headers for every platform into a folder."""
     headers = Path(sysconfig.get_path("include"))
     shutil.copytree(headers, folder, ignore=shutil.ignore_patterns("internal", "pyconfig*"))
     (folder / "pyconfig.h").write_text(_PYCONFIG, encoding="ascii")
@@ -52,10 +52,10 @@ def headers_for_any_platform(folder: Path) -> Path:
 
 
 def declared_names(headers: Path) -> dict[str, bool]:
-    """Return what the public headers of Python declare: names, and whether each is data.
+    """Return the declarations of Python's public headers: names, and whether each is data.
 
-    Some are of later versions or of no stable ABI: a module that uses one of them is not loaded, as
-    on every platform.
+    Some belong to later versions or to no stable ABI: a module that uses one fails to load, as on
+    every platform.
     """
     names: dict[str, bool] = {}
     for header in sorted(headers.glob("*.h")):
@@ -66,7 +66,7 @@ def declared_names(headers: Path) -> dict[str, bool]:
 
 
 def definition_of_python3(headers: Path) -> str:
-    """Return the definition file of ``python3.dll``, from which an import library is made."""
+    """Return the definition file of ``python3.dll`` for the import library."""
     names = declared_names(headers)
     lines = [f"  {name} DATA" if data else f"  {name}" for name, data in names.items()]
     return "\n".join(["LIBRARY python3.dll", "EXPORTS", *lines, ""])

@@ -1,7 +1,7 @@
-"""The module with machine code: C is printed from the kernels and compiled.
+"""The module with machine code: the kernels printed in C and compiled.
 
-``python -m fuzzyarm.apps.native.build FOLDER`` writes ``_kernels`` into a folder; the build of the
-package does it, and `make native`. The compiler is the platform's; where there is none that of the
+``python -m fuzzyarm.apps.native.build FOLDER`` writes ``_kernels`` into a folder, as the build of
+the package and `make native` do. The compiler is the platform's, or else that of the
 ``ziglang`` wheel, which also compiles for other platforms.
 """
 
@@ -30,22 +30,22 @@ from fuzzyarm.symbolic.kernels import note_digest, processors
 __all__ = ["BuildError", "Compiler", "build", "find_compiler", "zig"]
 
 FLAGS = (
-    # The bits of Python: nothing is fused or reordered. That no error number is set and no trap is
-    # looked at changes no result, and lets square roots and comparisons be vectorised.
+    # Bits as in Python: nothing is fused or reordered. Without errno and traps no result changes,
+    # but square roots and comparisons can be vectorised.
     "-std=gnu99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
-    # GCC 12 drops a rounding to single precision where it makes one vector of two numbers.
+    # GCC 12 drops a rounding to single precision where it packs two numbers into a vector.
     "-fno-tree-slp-vectorize",
-    # The block of a rule base is read as whole numbers and as floats.
+    # The block of a rule base is read as integers and as floats.
     "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
 
 OF_GCC_ALONE = frozenset(
     {"-fno-tree-loop-distribute-patterns", "--param=max-completely-peel-times=32"}
 )
-"""What clang has no word for: it warns of them, and the ``ziglang`` wheel's refuses them."""
+"""Flags unknown to clang: it warns, and that of the ``ziglang`` wheel refuses them."""
 
 LEVELS = {"baseline": "", "v3": "x86-64-v3"}
-"""Processors of the levels; the second for x86-64 only."""
+"""Processors by level; the second for x86-64 only."""
 
 
 class BuildError(RuntimeError):
@@ -58,11 +58,11 @@ class Compiler(NamedTuple):
     Attributes
     ----------
     words : tuple of str
-        The command.
+        Command line.
     machine : str
-        What it compiles for: ``x86_64``, ``aarch64`` …
+        Target machine: ``x86_64``, ``aarch64`` …
     system : str
-        ``linux``, ``macos``, ``windows``; ``emscripten`` is a page's Python (Pyodide).
+        ``linux``, ``macos``, ``windows``, or ``emscripten`` for Python in a page (Pyodide).
     """
 
     words: tuple[str, ...]
@@ -71,10 +71,10 @@ class Compiler(NamedTuple):
 
     @property
     def levels(self) -> dict[str, tuple[str, ...]]:
-        """Flags of each level that the machine has."""
+        """Flags of each level of the machine."""
         if self.machine != "x86_64":
             return {"baseline": ()}
-        # The compiler of the wheel spells processors in its own way.
+        # The compiler of the wheel has its own spelling of processors.
         flags = {
             name: f"-mcpu={processor.replace('-', '_')}" if self.is_zig else f"-march={processor}"
             for name, processor in LEVELS.items()
@@ -84,7 +84,7 @@ class Compiler(NamedTuple):
 
     @property
     def is_zig(self) -> bool:
-        """Whether it is that of the ``ziglang`` wheel."""
+        """Whether it is the compiler of the ``ziglang`` wheel."""
         return "ziglang" in self.words
 
     def compile(self, source: Path, result: Path, *flags: str) -> None:
@@ -93,7 +93,7 @@ class Compiler(NamedTuple):
         self.run("-c", str(source), "-o", str(result), *words)
 
     def link(self, objects: Sequence[Path], result: Path) -> None:
-        """Make an extension module of object files, and of libraries among them."""
+        """Link object files and libraries into an extension module."""
         if self.system == "emscripten":
             self._link_for_a_page(objects, result)
             return
@@ -103,12 +103,12 @@ class Compiler(NamedTuple):
             "windows": ["-shared"],
         }[self.system]
         if self.is_zig and self.system == "linux":
-            more.append("-s")  # three quarters would be what debuggers ask for
+            more.append("-s")  # debug symbols would be three quarters of the size
         self.run(*map(str, objects), "-o", str(result), *more)
 
     def _link_for_a_page(self, objects: Sequence[Path], result: Path) -> None:
-        """Make a module of WebAssembly that the Python of a page (Pyodide) loads."""
-        # What it does not define, functions of C and of Python, are those of that Python.
+        """Link a WebAssembly module for Python in a page (Pyodide)."""
+        # Undefined functions of C and of Python are resolved by that Python.
         flags = ("-shared", "--experimental-pic", "--import-memory", "--strip-all",
                  "--unresolved-symbols=import-dynamic", "--export=PyInit__kernels")  # fmt: skip
         linker = Compiler((*self.words[:3], "wasm-ld"), self.machine, self.system)
@@ -116,18 +116,18 @@ class Compiler(NamedTuple):
 
     @property
     def is_for_here(self) -> bool:
-        """Whether it compiles for the platform at hand."""
+        """Whether the target is the platform at hand."""
         return (self.machine, self.system) == (_own_machine(), _own_system())
 
     def import_library(self, definition: Path, result: Path) -> None:
-        """Make the library by which a module for Windows finds the symbols of ``python3.dll``."""
+        """Make the import library with the symbols of ``python3.dll`` for Windows."""
         tool = (*self.words[:3], "dlltool") if self.is_zig else ("dlltool",)
         machine = {"aarch64": "arm64"}.get(self.machine, "i386:x86-64")
         whole = ("-m", machine, "-d", str(definition), "-l", str(result))
         Compiler(tool, self.machine, self.system).run(*whole)
 
     def run(self, *words: str) -> None:
-        """Run it; BuildError if it cannot be started, or fails; with what it says."""
+        """Run the compiler; BuildError, with its output, if it fails or cannot be started."""
         try:
             process = subprocess.run(
                 [*self.words, *words], capture_output=True, text=True, check=False
@@ -141,7 +141,7 @@ class Compiler(NamedTuple):
 def find_compiler() -> Compiler:
     """Return the platform's compiler, or that of the ``ziglang`` wheel.
 
-    ``CC`` names another one, as everywhere.
+    ``CC`` overrides it, as usual.
     """
     machine, system = _own_machine(), _own_system()
     preferred = shlex.split(os.environ.get("CC", ""))
@@ -156,9 +156,9 @@ def find_compiler() -> Compiler:
 
 
 def zig(machine: str, system: str) -> Compiler:
-    """Return the compiler of the ``ziglang`` wheel for a machine and a system, this or another."""
-    # By name, or it would compile for the processor at hand; with an old glibc, an old macOS. The
-    # wheel has no headers of Emscripten: those of WASI declare the same functions of mathematics.
+    """Return the compiler of the ``ziglang`` wheel for any machine and system."""
+    # With an explicit target, or it would compile for the processor at hand; with an old glibc and
+    # macOS. The wheel has no headers of Emscripten, but those of WASI declare the same mathematics.
     target = {
         "linux": "linux-gnu.2.28",
         "macos": "macos.11.0",
@@ -166,13 +166,13 @@ def zig(machine: str, system: str) -> Compiler:
         "emscripten": "wasi",
     }[system]
     words = [sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{target}"]
-    if system == "emscripten":  # what every browser has that Pyodide runs in
+    if system == "emscripten":  # supported by every browser with Pyodide
         words.append("-mcpu=mvp+bulk_memory+mutable_globals+nontrapping_fptoint+sign_ext+simd128")
     return Compiler(tuple(words), machine, system)
 
 
 def _own_machine() -> str:
-    """Return the machine at hand, by the name that compilers have for it."""
+    """Return the machine at hand, by its name for compilers."""
     machine = platform.machine()
     return {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
 
@@ -200,7 +200,7 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
 
 
 class Compilation(NamedTuple):
-    """A file that is compiled: what of, what into, with which flags beside those of all."""
+    """A compilation: source, object file and additional flags."""
 
     source: Path
     result: Path
@@ -208,7 +208,7 @@ class Compilation(NamedTuple):
 
 
 def _jobs(work: Path, compiler: Compiler) -> Iterator[Compilation]:
-    """Write the files that are compiled; iterate over what is to be done with them."""
+    """Write the source files; iterate over their compilations."""
     units = kernels_in_c(roots())
     for unit, text in units.items():
         source = work / f"{unit}.c"
@@ -226,7 +226,7 @@ def _jobs(work: Path, compiler: Compiler) -> Iterator[Compilation]:
 
 
 def digest_of(units: Mapping[str, str]) -> str:
-    """Return a digest of what is compiled, and of how: C of kernels, the module, the flags."""
+    """Return a digest of the build's inputs: C of the kernels, the module, the flags."""
     whole = [*sorted(units.items()), _module_source(), FLAGS, sorted(LEVELS.items()), UNITS]
     return sha256(repr(whole).encode()).hexdigest()
 
@@ -252,11 +252,11 @@ def _python3(work: Path, compiler: Compiler) -> Path:
 
 
 SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd", "emscripten": ".so"}
-"""Of a module with the stable ABI."""
+"""Suffixes of modules with the stable ABI."""
 
 
 def main() -> None:
-    """Build into the folder that is named."""
+    """Build into the given folder."""
     parser = argparse.ArgumentParser(description="build the machine code of fuzzyarm")
     parser.add_argument("folder", type=Path, nargs="?", default=Path(__file__).parents[2])
     parser.add_argument(

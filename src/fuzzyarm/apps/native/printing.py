@@ -1,8 +1,8 @@
-"""The kernels in C: for each unit a file with the functions and a table of entries.
+"""The kernels in C: a file with the functions and a table of entries for each unit.
 
-An entry takes a pointer and a length for each array; its address is what kernels call each other
-by. Beside it stand its name, how Python calls it, and which arrays it fills in: that follows from
-the kernels' own source, and for what they call by address from all that may stand there.
+An entry takes a pointer and a length for each array; kernels call each other by its address. The
+table also has its name, its wrapper for Python, and the set of arrays that it writes: this follows
+from the kernel's own source, and for calls by address from all possible targets.
 """
 
 from __future__ import annotations
@@ -22,23 +22,24 @@ __all__ = ["UNITS", "filled_arrays", "kernels_in_c"]
 
 UNITS: dict[str, tuple[str, ...]] = {
     "rows": (),
-    # Loops over a few numbers that were written one by one: read as a vector they would wait for
-    # each other, and a call to fill four of them with zeros costs more than to write them.
-    # Loops over the ports of a plant that is compiled into its loop are written out.
+    # Loops over a few numbers just written one by one: a vector load would wait for the stores, and
+    # a
+    # call of memset for four numbers costs more than the stores. Loops over the ports of a plant
+    # compiled into its loop are unrolled.
     "numbers": (
         "-fno-tree-vectorize",
         "-fno-tree-loop-distribute-patterns",
         "--param=max-completely-peel-times=32",
     ),
 }
-"""Files of a level, with their own flags; see :attr:`Root.over_rows`."""
+"""Units with flags of their own; see :attr:`Root.over_rows`."""
 
 
 def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
-    """Return the C of kernels, for each unit.
+    """Return the C of kernels by unit.
 
-    The macros ``TABLE`` and ``RUN_PROGRAM`` name what others see of a file: it is compiled for each
-    level of the processor.
+    The macros ``TABLE`` and ``RUN_PROGRAM`` are the external names of a file: it is compiled once
+    for each level of the processor.
     """
     units = {unit: _Unit() for unit in UNITS}
     for root in kernels:
@@ -48,7 +49,7 @@ def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
 
 
 class TranslatedKernel(NamedTuple):
-    """A kernel that was translated: it is known by its key and takes arrays of some types."""
+    """A translated kernel: its key and the types of its arrays."""
 
     key: str
     types: tuple[Array, ...]
@@ -98,9 +99,9 @@ class _Unit:
 
 
 def filled_arrays(entries: Sequence[TranslatedKernel]) -> Iterator[tuple[str, set[int]]]:
-    """Iterate over kernels by their keys, and which of their arrays they fill in."""
-    # Where one calls another by address, all that takes such arrays may stand there, and a program
-    # of operations, which fills in the last. What they fill in may be known in the next turn only.
+    """Iterate over kernels by key, with the arrays that each writes."""
+    # A call by address may reach any kernel with such arrays, or a program of operations, which
+    # writes its last one. Their sets may grow in a later pass: iterate to a fixed point.
     by_types: dict[tuple[Array, ...], set[int]] = defaultdict(set)
     for entry in entries:
         by_types[entry.types].add(len(entry.types) - 1)
@@ -115,7 +116,7 @@ def filled_arrays(entries: Sequence[TranslatedKernel]) -> Iterator[tuple[str, se
 def _filled_by(
     entry: TranslatedKernel, by_types: dict[tuple[Array, ...], set[int]]
 ) -> Iterator[int]:
-    """Iterate over what a kernel fills in, by itself or by what it calls by address."""
+    """Iterate over the arrays that a kernel writes, itself or in calls by address."""
     arguments = entry.arguments
     yield from map(arguments.index, entry.function.writes)
     for request in entry.function.asks:
@@ -141,13 +142,14 @@ typedef struct {
 
 
 def _entries(index: int, entry: TranslatedKernel, record: str) -> str:
-    """Return a function as kernels call it, with each array by itself; and as Python does.
+    """Return the entry for kernels, with each array as an argument, and that for Python.
 
-    `record` is the type of the block in which the function takes the arrays, if it takes one.
+    `record` is the type of the block with the function's arrays, if it takes one.
     """
     types, in_one = entry.types, entry.in_one
-    # A loop has its arrays apart from each other. Told so, the compiler keeps in registers what a
-    # control period writes and reads again, though it writes to other arrays between.
+    # The arrays of a loop do not overlap. With `restrict` the compiler keeps in registers the
+    # numbers that a control period writes and reads again, in spite of stores to other arrays
+    # between.
     apart = "restrict " if in_one else ""
     listed = ", ".join(
         f"{POINTERS[type_]} *{apart}at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)

@@ -1,7 +1,7 @@
-"""The kernels that are built: all that something asks the address of.
+"""The kernels to build: all those whose address is taken somewhere.
 
-What a controller, a plant or a rule base of a user brings is not among them; it is data to these,
-or a program of operations.
+Controllers, plants and rule bases of a user are not among them; they are data to these kernels,
+or programs of operations.
 
 A kernel is plain Python over scalars and arrays. :mod:`fuzzyarm.symbolic.translation` infers the
 type of every name and prints C or JavaScript; ``build.py`` compiles it with ``module.c`` into
@@ -59,7 +59,7 @@ __all__ = ["Root", "roots"]
 
 
 class Root(NamedTuple):
-    """A kernel that is built.
+    """A kernel to build.
 
     Attributes
     ----------
@@ -70,13 +70,13 @@ class Root(NamedTuple):
     bindings : mapping of str to callable
         See :func:`fuzzyarm.symbolic.kernels.address_of`.
     over_rows : bool
-        Whether it runs over rows of many numbers; otherwise over a few, which were written a
-        moment ago: to read several of them at once would wait for the writing.
+        Whether it runs over rows of many numbers; otherwise over a few, just written, where a
+        vector load would wait for the stores.
     in_one : bool
-        Whether all that it calls by name is compiled into it, and its arrays have no memory in
-        common.
+        Whether all functions that it calls by name are compiled into it, with arrays that do not
+        overlap.
     block : type, optional
-        The named tuple in which it takes its arrays; without one it takes each by itself.
+        Named tuple of its arrays; without one they are separate parameters.
     """
 
     function: Callable[..., Any]
@@ -88,7 +88,7 @@ class Root(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Its name in the machine code."""
+        """Its key in the machine code."""
         return key_of(self.function, self.types, self.bindings)
 
 
@@ -108,7 +108,7 @@ LAWS = (
 
 
 def roots() -> Iterator[Root]:
-    """Iterate over all kernels that are built, each once."""
+    """Iterate over all kernels to build, each once."""
     once = {root.key: root for root in _roots()}
     yield from once.values()
 
@@ -138,7 +138,7 @@ def _roots() -> Iterator[Root]:
 
 
 def _rows() -> Iterator[Root]:
-    """Iterate over norms, curved terms and hedges, which take rows of numbers."""
+    """Iterate over norms, curved terms and hedges over rows of numbers."""
     yield Root(corners_row, "fff", over_rows=True)
     yield Root(hedged_corners_row, "fff", over_rows=True)
     for norm in (*TNORMS.values(), *SNORMS.values()):
@@ -147,15 +147,15 @@ def _rows() -> Iterator[Root]:
         if SHAPES[name].fuzzy and not SHAPES[name].straight and name != "formula":
             yield Root(built_in_curve(name), "fff", over_rows=True)
     for name, hedge in HEDGES.items():
-        if len(hedge.symbols) == 1:  # others have an exponent, which is a constant of the row
+        if len(hedge.symbols) == 1:  # the others have an exponent, constant over the row
             yield Root(hedges_on_row((Hedge(name, None),)), "fff", over_rows=True)
 
 
 def _loops() -> Iterator[Root]:
-    """Iterate over the loops: around any laws and plants, and with what they call compiled in.
+    """Iterate over the loops: a general one, and those with law and plant compiled in.
 
-    A plant that makes its drives itself is called more often than others in a control period, so
-    it has its own loops.
+    A plant that makes its drives itself is called more often in a control period, so it has its own
+    loops.
     """
     plants = (kind.variants()[0] for kind in PLANTS.values())
     every = [dynamics_of(plant, RunArithmetic(), address=lambda *_, **__: 0) for plant in plants]

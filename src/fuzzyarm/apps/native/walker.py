@@ -1,4 +1,4 @@
-"""The walker of programs in C: what each operation does is printed from the table of operations."""
+"""The interpreter of programs in C, with a case for each entry of the table of operations."""
 
 from __future__ import annotations
 

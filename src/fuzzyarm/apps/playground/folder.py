@@ -1,4 +1,4 @@
-"""The folder of a playground: what is in it, and how it is written."""
+"""The folder of a playground: its contents, and how it is written."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def write_playground(
     kernels: Callable[[], bytes | None] = lambda: None,
     memory: Callable[[Mapping[str, bytes]], bytes] = _no_memory,
 ) -> Playground:
-    """Write the folder; what is in it of another one is replaced, other files stay."""
+    """Write the folder; an earlier playground's files are replaced, others stay."""
     texts = _texts(files)
     if folder.exists() and not folder.is_dir():
         raise PlaygroundError(f"{folder} is not a folder")
@@ -175,7 +175,7 @@ def _page(texts: Mapping[str, str], python: Mapping[str, bytes], memory: int) ->
 
 
 def _digest(parts: Mapping[str, bytes]) -> str:
-    """Return what changes when one of the files does."""
+    """Return a digest that changes with any of the files."""
     whole = hashlib.sha256()
     for name in sorted(parts):
         whole.update(name.encode() + parts[name])

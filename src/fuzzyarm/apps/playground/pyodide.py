@@ -86,7 +86,7 @@ def _version_of(folder: Path) -> tuple[int, ...]:
 
 
 def _fetched(room: Path) -> Path:
-    """Fetch the package by npm; what it brings is compared with the digest of the registry."""
+    """Fetch the package by npm, and verify it by the registry's digest."""
     npm = installed_program("npm")
     if npm is None:
         raise PyodideError(

@@ -1,4 +1,4 @@
-"""The published experiments: figures as data, and what running them again gives."""
+"""The published experiments: figures as data, and their reproduction."""
 
 from __future__ import annotations
 

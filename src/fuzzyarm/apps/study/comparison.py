@@ -1,4 +1,4 @@
-"""All controllers under the same conditions: how near, how calmly, at what cost.
+"""All controllers under the same conditions: errors, chatter and cost.
 
 The study compares errors alone, with set points that are held, motors without inductance and as
 much torque as is asked for, and it did not count alike for all. Here any of that can change, for
@@ -208,7 +208,7 @@ def compare(
 
 
 def _compared_by(request: CompareRequest) -> Iterator[Compared]:
-    """Do what a request asks along the trajectories of its plant."""
+    """Carry out a request along the trajectories of its plant."""
     controllers = find_controllers(request.controllers or compared_names())
     request, plant = with_plant(request, controllers)
     if not follows(request, plant):
@@ -259,7 +259,7 @@ def watched_run(
     payload: bool = True,
     connect: Mapping[str, str] | None = None,
 ) -> Watched:
-    """Run a controller on a plant, the arm by default; what :func:`simulate` gives, and chatter."""
+    """Run a controller on a plant, the arm by default; return the run and its chatter."""
     home = equipped(plant or Arm(), options)
     motion = trajectory_motion(
         home,
@@ -305,7 +305,7 @@ class ControlStepCost:
     operations : Operations
         Counted in the loop along a move, in the mean.
     exported : int or None
-        What a step of the exported program takes at most; None of what cannot be exported.
+        Largest cost of a step of the exported program; None without an export.
     seconds : float or None
         Measured in the loop, as machine code; None where it was not.
         :data:`~fuzzyarm.apps.study.cost.RESOLUTION` stands for less.

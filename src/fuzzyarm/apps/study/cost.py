@@ -1,8 +1,8 @@
-"""What a control step costs: floating-point operations and time.
+"""Cost of a control step: floating-point operations and time.
 
-Operations are counted, not estimated: the kernels of the laws run as plain Python on numbers that
-count what is done with them. Time is measured in the closed loop, as machine code, less the time
-of the same loop with a law that does nothing.
+Operations are counted, not estimated: the laws run as plain Python on numbers that count their own
+operations. Time is measured in the closed loop, as machine code, less the time of the same loop
+with an empty law.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from fuzzyarm.plant.setting import (
 )
 from fuzzyarm.plant.trajectory import Trajectory, through
 
-# --- Numbers that count what is done with them ---
+# --- Numbers that count their operations ---
 
 
 @dataclass
@@ -48,7 +48,7 @@ class Tally:
     arithmetic : int
         Additions, subtractions, multiplications, divisions, negations and magnitudes.
     comparisons : int
-        Those of a minimum or a maximum among them.
+        Including those of minima and maxima.
     functions : int
         Sines and cosines.
     """
@@ -58,16 +58,16 @@ class Tally:
     functions: int = 0
 
     def clear(self) -> None:
-        """Begin again."""
+        """Reset the counts."""
         self.arithmetic = self.comparisons = self.functions = 0
 
 
 _tally = Tally()
-"""Of the count under way."""
+"""The current count."""
 
 
 class CountingFloat(float):
-    """A number of which every operation is counted."""
+    """A number that counts its operations."""
 
     __slots__ = ()
 
@@ -106,7 +106,7 @@ CountingFloat.__hash__ = float.__hash__  # type: ignore[method-assign]
 
 
 class CountedArray(np.ndarray):
-    """An array whose numbers count; slices of it share its memory."""
+    """An array with counting numbers; slices of it share its memory."""
 
     def __getitem__(self, index: Any) -> Any:
         """Return a number that counts, or a part."""
@@ -121,7 +121,7 @@ def _counted(values: Any) -> Any:
 
 
 class _CountedPose:
-    """The sines and cosines of a position, each counted when a law first asks for it."""
+    """The sines and cosines of a position, each counted on its first use."""
 
     def __init__(self, position: Pair) -> None:
         self._values = pose_of(position)._asdict()
@@ -138,7 +138,7 @@ class _CountedPose:
 
 
 class CostError(FuzzyarmError, ValueError):
-    """The operations of a controller in plain Python cannot be counted; `name` says which."""
+    """A controller in plain Python has uncountable operations; `name` is its name."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"the operations of '{name}' are not counted: it is plain Python")
@@ -148,7 +148,7 @@ class CostError(FuzzyarmError, ValueError):
 @json_properties("* total")
 @dataclass(frozen=True)
 class Operations:
-    """Of a control step, in the mean; both joints.
+    """Mean operations of a control step, both joints.
 
     Attributes
     ----------
@@ -162,22 +162,22 @@ class Operations:
 
     @property
     def total(self) -> float:
-        """All of them."""
+        """The sum of all."""
         return self.arithmetic + self.comparisons + self.functions
 
 
 def short_move() -> Trajectory:
-    """Return the move along which operations are counted: 0.24 s, at the study's accelerations."""
+    """Return the move for counting operations: 0.24 s, at the study's accelerations."""
     return through([(0.9, -0.9)], segment=0.24)
 
 
 def count_operations(
     controller: Controller, trajectory: Trajectory | None = None, *, payload: bool = False
 ) -> Operations:
-    """Count the floating-point operations of a control step, as they come along a trajectory.
+    """Count the floating-point operations of a control step along a trajectory.
 
     Conversion of control to torque by the motors belongs to the arm and does not count; nor do
-    moves of numbers and whole-number work, of which indices are made.
+    moves of numbers and integer operations for indices.
     """
     _tally.clear()
     counting = _Counting(controller)
@@ -191,7 +191,7 @@ def count_operations(
 
 
 class _Counting(Controller):
-    """Compiled laws, run as plain Python on numbers that count."""
+    """Compiled laws, run as plain Python on counting numbers."""
 
     def __init__(self, controller: Controller) -> None:
         self.name = controller.name
@@ -235,7 +235,7 @@ def _torque_of_text(
     assert law.at_signals is not None
     law.at_signals(signals, *arrays)
     _tally.functions += _functions_of_partners(law)
-    # Of each joint whether the text drives its voltage, which the motor turns into a torque.
+    # For each joint: does the text drive the voltage, which the motor turns into a torque?
     powered = arrays[0][2:4]
     return [
         float(signals[TOLD + joint])
@@ -249,7 +249,7 @@ def _torque_of_text(
 
 
 def _functions_of_partners(law: TextLaw) -> int:
-    """Return how many sines and cosines the partners of a text ask the arm for."""
+    """Return the number of sines and cosines that the partners of a text need of the arm."""
     functions = 0
     for partner in law.text.model.partners:
         controller = law.find_law(partner.law)
@@ -272,7 +272,7 @@ def timed_motion(
     *,
     payload: bool = False,
 ) -> Motion:
-    """Return a trajectory at the period of a controller, for others to follow as often."""
+    """Return a trajectory at the period of a controller, for equally frequent others."""
     plant = equipped(Arm(), options)
     return trajectory_motion(plant, trajectory, controller, conventions, payload=payload)
 
@@ -287,14 +287,14 @@ def _pair(numbers: Pair) -> Pair:
 # --- Time of a control step ---
 
 ROUNDS = 60
-"""Runs of which the fastest counts, in turns with those of the law that does nothing."""
+"""Runs, of which the fastest counts, in turns with those of the empty law."""
 
 RESOLUTION = 10e-9
-"""Time of a step, s, below which the difference of two runs is lost in what disturbs them."""
+"""Time of a step in s below which the difference of two runs is lost in disturbances."""
 
 
 def timed_move() -> Trajectory:
-    """Return the move on which time is measured: 1 s, short enough to pass undisturbed."""
+    """Return the move for measuring time: 1 s, short enough to be undisturbed."""
     return through([(10.0, -10.0)], segment=1.0)
 
 
@@ -305,7 +305,7 @@ def measure_time(
     conventions: Conventions = PLAIN,
     rounds: int = ROUNDS,
 ) -> float:
-    """Measure what a control step adds to the loop, s; `RESOLUTION` stands for less."""
+    """Measure the time of a control step in the loop, s; at least `RESOLUTION`."""
     move = timed_motion(controller, trajectory or timed_move(), conventions, Options())
     nothing = CompiledController(Law("nothing", law_kernel, "no torque", ()))
     steps = int(move.iterations.sum())

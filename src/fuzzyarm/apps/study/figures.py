@@ -1,4 +1,4 @@
-"""Figures of the study: error profiles of runs, chapters, all controllers beside each other."""
+"""Figures of the study: error profiles of runs, chapters, all controllers side by side."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # --- Figures of error profiles: the tracking error of both links over time ---
 
 COLOURS = ("#1b6ca8", "#d1495b")
-"""Of link 1 and link 2; told apart in grey, too, by the dashes of the second."""
+"""Colours of link 1 and link 2; the second is dashed, too."""
 
 
 def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
@@ -82,33 +82,33 @@ def save_figure(figure: Figure, path: str | Path) -> None:
 # --- Figures of many rows: chapters, and all controllers beside each other ---
 
 SUMMARY = "7"
-"""The chapter that only repeats rows of the others."""
+"""The chapter that only repeats rows of others."""
 
 FAMILIES = {
     "4": ("conventional", "#3b6ea5"),
     "5": ("adaptive", "#2f8f6b"),
     "6": ("fuzzy", "#c8553d"),
 }
-"""Chapter: what its controllers are, and their colour."""
+"""Chapter → name and colour of its controllers."""
 
 MARKS = {"4": "o", "5": "s", "6": "^", "": "D"}
-"""Chapter, or none: the mark of its controllers, by which they differ without colours too."""
+"""Chapter, or none → mark of its controllers, distinct without colours."""
 
 OWN_COLOUR = "#6a3d9a"
-"""Of the controllers that the study does not have."""
+"""Colour of controllers beyond the study."""
 
 ACROSS = 3
 """Rows side by side in the figure of a chapter."""
 
 
 def chapter_of(row: PublishedRow) -> str:
-    """Return the chapter that a row belongs to; those of the summary go by their controller."""
+    """Return the chapter of a row; rows of the summary belong to their controller's."""
     first = row.table[0]
     return first if first != SUMMARY else chapter_of_controller(row.controller)
 
 
 def chapter_of_controller(name: str) -> str:
-    """Return the chapter of a controller; empty for one that the study does not have."""
+    """Return the chapter of a controller, empty beyond the study."""
     if name in OWN or name not in CATALOGUE:
         return ""
     if CATALOGUE[name].takes:
@@ -334,20 +334,20 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
 
 
 PANEL = (420.0, 430.0)
-"""Size of a panel of the figure of costs, points."""
+"""Size of a panel of costs in points."""
 
 LETTERS = 7.0
-"""Their size, points; a letter is about half as wide."""
+"""Font size in points; a character is about half as wide."""
 
 BESIDE = 6.0
-"""From a mark to the label beside it, points."""
+"""Distance of a mark and its label in points."""
 
 
 def place_labels(
     spots: Sequence[tuple[float, float]], labels: Sequence[str]
 ) -> list[tuple[float, float]]:
-    """Return the offset of each label from its spot, at which it covers as little as possible."""
-    # Rectangles that are taken: left, bottom, right, top. The marks first, then labels in turn.
+    """Return the offset of each label from its mark, with the least overlap."""
+    # Occupied rectangles: left, bottom, right, top. First the marks, then the labels in turn.
     boxes = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
     positions = []
     for (x, y), label in zip(spots, labels, strict=True):

@@ -1,4 +1,4 @@
-"""Fit the gains that the study does not print to the figures that it does."""
+"""Identification of the gains that the study does not print, from its published figures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fuzzyarm.base.errors import FuzzyarmError
 
 
 class UnknownProblemError(FuzzyarmError, LookupError):
-    """Nothing is to be identified under this `name`."""
+    """There is no identification problem of this `name`."""
 
     def __init__(self, name: str) -> None:
         super().__init__(
@@ -26,11 +26,11 @@ class UnknownProblemError(FuzzyarmError, LookupError):
 
 @dataclass(frozen=True)
 class Unknown:
-    """A gain to be found."""
+    """An unknown gain."""
 
     gain: str  # its name
-    joint: int | None  # which of its two values; all of them for None
-    start: float  # where the search begins: a round number far from the result
+    joint: int | None  # index of its value; None for both
+    start: float  # start of the search: a round number far from the result
 
     @property
     def label(self) -> str:
@@ -69,19 +69,19 @@ PROBLEMS: dict[str, IdentificationProblem] = {
     ),
     "dac+ie": IdentificationProblem(("dac+ie",), (Unknown("K_I", None, 20.0),)),
 }
-"""What was identified, by controller."""
+"""Identification problems by controller."""
 
 FITTED_FIGURES = (0, 2, 4, 5, 6)
 """The RMS figures and the last figure of link 1; that of link 2 is chaotic in some rows."""
 
 SMALLEST = 0.01
-"""Published figures below this are too coarsely printed to fit to, degrees."""
+"""Published figures below this, in degrees, have too few digits for a fit."""
 
 SHIFT = 20.0
-"""The search is over logarithms; this keeps them, and so its relative steps, from zero."""
+"""Offset of the logarithms in the search, which keeps its relative steps away from zero."""
 
 STEP = 0.02
-"""Relative step of its differences: single precision makes the errors rough."""
+"""Relative step of the finite differences: single precision makes the errors rough."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def identify(name: str, *, watch: Callable[[int], None] | None = None) -> Identi
     Parameters
     ----------
     name : str
-        Of a controller with gains that were not printed.
+        Name of a controller with unpublished gains.
     watch : callable, optional
         Called with the number of evaluations so far.
 
@@ -194,7 +194,7 @@ def _figures(
 def _residuals(
     rows: Sequence[PublishedRow], unknowns: Sequence[Unknown], values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return relative differences of the figures; a diverged run is ten times off."""
+    """Return relative differences of the figures; a diverged run counts as ten times off."""
     parts = []
     for row in rows:
         published = np.array(row.figures)

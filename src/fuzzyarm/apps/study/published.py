@@ -29,17 +29,17 @@ Eight = tuple[float, float, float, float, float, float, float, float]
 """RMS and last figure of links 1 and 2 on the first trajectory, then on the second."""
 
 RMS_PLACES = (0, 2, 4, 6)
-"""Where the RMS figures stand among the eight."""
+"""Indices of the RMS figures among the eight."""
 
 COUNTED = {
     "conventional": STUDY_CONVENTIONAL,
     "tables": STUDY_TABLES,
     "direct": STUDY_DIRECT,
 }
-"""How the study counted in a row, by the word for it in the file."""
+"""Numerical conventions of the study, by their word in the file."""
 
 MISPRINTS = {"7.1.1/hfie": (0, 0.0831)}
-"""Rows with a misprint: the place of the figure, and what it has to be.
+"""Rows with a misprint: the index of the figure, and its correct value.
 
 0.0381 is 0.0831 with two digits swapped: the final error and the seven other figures
 come out only with it.
@@ -108,7 +108,7 @@ class PublishedRow:
 
     @property
     def condition(self) -> str:
-        """What distinguishes it from other rows of the same controller, in words."""
+        """Distinction from other rows of the same controller, in words."""
         parts = ["payload" if self.payload else "no payload"]
         if self.model_mass is not None:
             parts.append(f"model masses {self.model_mass:g} kg")

@@ -24,7 +24,7 @@ from fuzzyarm.control.loop.simulation import simulate, simulate_many
 from fuzzyarm.plant.setting import Conventions, RunArithmetic
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach, reach_return
 
-# --- Many runs of one row, each disturbed in the last bit: what of it is chance ---
+# --- Ensembles of a row, each run disturbed in the last bit: the part of chance ---
 #
 # Control that switches between cells of a table is chaotic in single precision: a
 # difference in the last bit at every step spreads its figures over a band.
@@ -112,7 +112,7 @@ def _columns(many: Many, trajectory: Trajectory) -> list[NDArray[np.float64]]:
     return [many.rms[:, 0], last[:, 0], many.rms[:, 1], last[:, 1]]
 
 
-# --- How near a reproduced row has to be, and what is known where it is not ---
+# --- Accuracy demanded of a row, and notes on exceptions ---
 
 
 @dataclass(frozen=True)

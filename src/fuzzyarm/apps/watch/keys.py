@@ -17,7 +17,7 @@ HELP = "arrows move the inputs (shift: further), c centre, x and y other inputs,
 """The keys of :func:`apply_key`, in one line."""
 
 ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
-"""The last letter of what a terminal sends for an arrow: ``ESC [ A``, ``ESC [ 1 ; 2 A``."""
+"""The last character of a terminal's sequence for an arrow: ``ESC [ A``, ``ESC [ 1 ; 2 A``."""
 
 WINDOWS_ARROWS = {"H": "up", "P": "down", "M": "right", "K": "left"}
 

@@ -242,7 +242,7 @@ class RulebaseScene(WatchScene):
 
 
 def titled(name: str, about: str, panel: Panel, width: int, height: int) -> RenderableType:
-    """Return a panel below the name of what it shows."""
+    """Return a panel below its title."""
     from rich.console import Group
     from rich.text import Text
 

@@ -242,7 +242,7 @@ class ndarray:
         return places
 
     def __getitem__(self, key: Any) -> Any:
-        """Return an element, a view, or a copy of what a list of indices chooses."""
+        """Return an element, a view, or a copy by a list of indices."""
         view, indices = _viewed(self, key)
         if indices is not None:
             shape, places = _gathered(view, indices)
@@ -343,12 +343,12 @@ class ndarray:
         self[...] = value
 
     def __getattr__(self, name: str) -> Any:
-        """Miss what is not here; functions of `operators.METHODS` are methods as well."""
+        """Raise for a missing attribute; functions of `operators.METHODS` are methods as well."""
         raise AttributeError(f"arrays have no {name} without NumPy, which this page does not have")
 
 
 def _plain(key: Any) -> Any:
-    """Return what may be compared with `Ellipsis`."""
+    """Return an operand comparable with `Ellipsis`."""
     return key if isinstance(key, EllipsisType) else None
 
 
@@ -421,7 +421,7 @@ def kind_of(value: Any) -> DType:  # noqa: PLR0911
 
 
 def array_of(value: Any, kind: Any = None) -> ndarray:  # noqa: C901
-    """Return an array of what may be one already, a number, or nested lists."""
+    """Return an array of an array, a number, or nested lists."""
     to = None if kind is None else dtype(kind)
     if isinstance(value, ndarray):
         return value if to is None or to is value.dtype else value.astype(to)
@@ -537,7 +537,7 @@ def _true_places(mask: ndarray) -> list[ndarray]:
 
 
 def _gathered(view: ndarray, chosen: dict[int, ndarray]) -> tuple[Shape, list[int]]:
-    """Return the shape and the places of what arrays of indices choose of a view."""
+    """Return the shape and the positions of a selection of a view by index arrays."""
     common = broadcast_shapes(*(index_array.shape for index_array in chosen.values()))
     spots = [0] * math.prod(common)
     for axis, index_array in chosen.items():

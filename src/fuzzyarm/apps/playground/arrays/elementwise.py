@@ -87,16 +87,16 @@ def _signed(act: Callable[[float], int]) -> Callable[[float], float]:
 
 
 class ufunc:
-    """A function of elements, with what NumPy makes of it.
+    """An elementwise function with the interface of NumPy's.
 
     Parameters
     ----------
     act : callable
-        Of numbers.
+        Function of numbers.
     kind : DType, optional
-        Of its results; else that of what it is given.
+        Kind of the results; by default that of the operands.
     floats : bool
-        Whether whole numbers become floats.
+        Whether integers become floats.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class ufunc:
         return operate(self._act, values, kind, out)
 
     def accumulate(self, values: Any, axis: int = 0, dtype: Any = None) -> ndarray:
-        """Return what it makes of the first elements along an axis, for each."""
+        """Return the accumulated results along an axis."""
         of = array_of(values, dtype)
         kind = of.dtype if of.dtype is not BOOL else WHOLE
         act = self._act
@@ -140,14 +140,14 @@ class ufunc:
     def reduce(
         self, values: Any, axis: Any = 0, initial: Any = None, *, keepdims: bool = False
     ) -> Any:
-        """Return what it makes of all elements along an axis."""
+        """Reduce all elements along an axis."""
         act = self._act
         return reduced(
             values, axis, lambda row: reduce(act, row), initial=initial, keepdims=keepdims
         )
 
     def reduceat(self, values: Any, places: Any, axis: int = 0) -> ndarray:
-        """Return what it makes of the stretches that begin at some places."""
+        """Reduce the slices that begin at some indices."""
         of = array_of(values)
         starts = elements(array_of(places))
         ends = [*starts[1:], of.shape[axis]]

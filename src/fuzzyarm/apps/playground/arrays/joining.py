@@ -109,7 +109,7 @@ class nditer:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        """Write what is not yet in its place."""
+        """Write the remaining elements."""
         if not self._to.flags.c_contiguous:
             self._to[...] = self._out.reshape(self._to.shape)
 

@@ -1,4 +1,4 @@
-"""Kinds of numbers: what an element is, how it lies in memory, and what two kinds make together."""
+"""Kinds of numbers: type of an element, its layout in memory, and promotion of two kinds."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _single(value: float) -> float:
 
 
 class float32(floating, float):
-    """A float of 32 bits: its value is rounded, and so is what is made of it."""
+    """A float of 32 bits: its value is rounded, and so are results."""
 
     def __new__(cls, value: Any = 0.0) -> float32:
         """Round a value."""
@@ -139,7 +139,7 @@ class bool_(number):
         return self._is == (bool(other) if isinstance(other, bool_) else other)
 
     def __hash__(self) -> int:
-        """Return what agrees with equality."""
+        """Return a hash that agrees with equality."""
         return hash(self._is)
 
     def __repr__(self) -> str:
@@ -187,7 +187,7 @@ class DType:
             return False
 
     def __hash__(self) -> int:
-        """Return what agrees with equality."""
+        """Return a hash that agrees with equality."""
         return hash(self.name)
 
     def __repr__(self) -> str:
@@ -224,7 +224,7 @@ _BY_TYPE |= {None: _BY_TYPE[float]}
 
 
 def dtype(of: Any) -> DType:
-    """Return the kind of a type, a name, or what is one; TypeError if there is none here."""
+    """Return the kind of a type, a name or a kind; TypeError for an unsupported one."""
     if isinstance(of, DType):
         return of
     try:

@@ -113,7 +113,7 @@ def linspace(start: Any, stop: Any, num: int = 50) -> ndarray:
 
 
 def fromiter(values: Iterable[Any], dtype: Any, count: int = -1) -> ndarray:
-    """Return an array of what an iterator gives."""
+    """Return an array of an iterator's elements."""
     listed = list(values)
     return array_of(listed if count < 0 else listed[:count], dtype)
 

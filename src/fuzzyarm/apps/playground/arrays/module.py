@@ -3,10 +3,10 @@
 It stays because Pyodide's npm package has no NumPy: the wheel that its lock file names lies on
 Pyodide's own server alone, which neither npm nor pip asks, and a playground works without a
 network. Without arrays it would have no loops, tables, surfaces and proofs, which are most of it.
-What the playground asks of NumPy is little: some hundred functions over small arrays, for
-what is large goes through kernels, which are WebAssembly (:mod:`fuzzyarm.apps.native`) and read
-these arrays as they read NumPy's. :func:`install` puts this package where ``import numpy`` finds
-it; where there is a NumPy it does nothing. A name that is not here is missed with a sentence that
+The playground's use of NumPy is small: some hundred functions over small arrays, since large
+ones go through kernels, which are WebAssembly (:mod:`fuzzyarm.apps.native`) and read
+these arrays as they read NumPy's. :func:`install` makes ``import numpy`` find this package;
+beside a NumPy it does nothing. A missing name raises an error with a sentence that
 says so.
 
 ``tests/playground/test_arrays.py`` compares all of it with NumPy itself, to the bit.
@@ -36,7 +36,7 @@ class _Any:
 
 
 def _own_names(part: ModuleType) -> dict[str, Any]:
-    """Return what a module has and does not import."""
+    """Return the names that a module defines itself."""
     return {
         name: value
         for name, value in vars(part).items()

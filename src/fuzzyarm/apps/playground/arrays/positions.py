@@ -1,4 +1,4 @@
-"""Positions of elements: where something holds, and what stands at given ones."""
+"""Indices of elements: search by condition, and access by index arrays."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from fuzzyarm.apps.playground.arrays.kinds import promoted
 
 
 def nonzero(values: Any) -> tuple[ndarray, ...]:
-    """Return the places of what is not zero, an array for each axis."""
+    """Return the indices of nonzero elements, an array for each axis."""
     of = array_of(values)
     spots = argwhere(of)
     return tuple(spots[:, axis] for axis in range(of.ndim))
 
 
 def argwhere(values: Any) -> ndarray:
-    """Return the places of what is not zero, a row for each."""
+    """Return the indices of nonzero elements, a row for each."""
     of = array_of(values)
     spots = [
         spot
@@ -42,7 +42,7 @@ def argwhere(values: Any) -> ndarray:
 
 
 def flatnonzero(values: Any) -> ndarray:
-    """Return the places of what is not zero, of all elements in order."""
+    """Return the indices of nonzero elements in the flattened array."""
     return made([k for k, value in enumerate(elements(array_of(values))) if value], WHOLE)
 
 
@@ -63,7 +63,7 @@ def ndindex(*shape: Any) -> Iterator[tuple[int, ...]]:
 
 
 def take(values: Any, indices: Any, axis: int | None = None) -> Any:
-    """Return what stands at some places along an axis."""
+    """Return the elements at some indices along an axis."""
     of = array_of(values)
     if axis is None:
         return of.ravel()[indices]
@@ -71,7 +71,7 @@ def take(values: Any, indices: Any, axis: int | None = None) -> Any:
 
 
 def take_along_axis(values: Any, indices: Any, axis: int) -> ndarray:
-    """Return what stands at places that differ from row to row."""
+    """Return the elements at indices that differ from row to row."""
     of, at = array_of(values), array_of(indices)
     axis %= of.ndim
     shape = list(broadcast_shapes(*(

@@ -103,10 +103,12 @@ def _fewest(row: list[Any]) -> Any:
     return reduce(least, row)
 
 
-def _demand_elements(of: ndarray, axis: Any, named: dict[str, Any], what: str) -> None:
+def _demand_elements(of: ndarray, axis: Any, named: dict[str, Any], operation: str) -> None:
     count = of.size if axis is None else math.prod(of.shape[k] for k in lengths(axis))
     if count == 0 and "initial" not in named:
-        raise ValueError(f"zero-size array to reduction operation {what} which has no identity")
+        raise ValueError(
+            f"zero-size array to reduction operation {operation} which has no identity"
+        )
 
 
 def max(values: Any, axis: Any = None, **named: Any) -> Any:
