@@ -24,7 +24,7 @@ Read, check, write
 Rule bases and controllers in Python
     RuleBase            A whole fuzzy system as a value: variables, rules, and how the rules
                         are evaluated.
-    RuleBaseBuilder     A rule base that is being written; what it means by now is its model.
+    RuleBaseBuilder     A rule base under construction; its current value is model.
     AnyRuleBase         A rule base: the immutable value of a file, or one under construction.
     ControllerText      A controller as text, with the rule bases and tables that it uses.
     Shape               The membership function of a term, or the value of a consequent.
@@ -82,8 +82,7 @@ Rooms, each with public names of its own; every one imports only those before it
     learning            Rule bases from samples, and judged by samples; controllers that learn
                         along a trajectory.
     exchange            Files and objects of other programs, and programs for other machines.
-    apps                What a person starts, and what is drawn for a person. Nothing imports
-                        this room.
+    apps                User-facing programs and drawings. Nothing imports this room.
 """
 
 from fuzzyarm import interrupts

@@ -51,7 +51,7 @@ class HiddenLine:
     text : str
         An ``expect`` or ``prove`` line.
     points : int
-        What it is worth.
+        Its worth.
     about : str
         The text that a student sees; the line itself by default.
     """

@@ -55,7 +55,7 @@ class Related(NamedTuple):
     Attributes
     ----------
     message : str
-        What is there.
+        Text of the remark.
     span : Span
         Where.
     """

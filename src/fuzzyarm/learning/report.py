@@ -46,7 +46,7 @@ class FitReport:
 
     of: Samples
     fit: Fit
-    file: str = entry("what was written")
+    file: str = entry("the written file")
     fidelity: SurrogateFidelity | None = entry(
         "where the samples are a model: how far the rules are from it", default=None
     )

@@ -64,7 +64,7 @@ class TableDiff:
 
     @property
     def settings(self) -> list[dict[str, str]]:
-        """Differences beside the values: what, before, after."""
+        """Differences of the header: name, before, after."""
         return [dict(zip(("what", "before", "after"), row, strict=True)) for row in self.header]
 
     @property

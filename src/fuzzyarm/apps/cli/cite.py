@@ -41,7 +41,7 @@ class Cited:
 
     publication: Publication
     key: str = entry("of the entry")
-    of: Sequence[str] = entry("what it is the source of")
+    of: Sequence[str] = entry("the methods that it is the source of")
 
 
 def _run(arguments: argparse.Namespace) -> int:

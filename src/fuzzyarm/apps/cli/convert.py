@@ -79,7 +79,7 @@ class Conversion:
     target: str = entry("OUT")
     producer: str | None = entry("the program IN was read as one of")
     written: bool = entry("whether OUT was")
-    diagnostics: Sequence[Diagnostic] = entry("what differs", SHORT)
+    diagnostics: Sequence[Diagnostic] = entry("differences", SHORT)
     sources: tuple[str, ...] = entry("of several that are connected: all of them", default=())
 
 
@@ -91,7 +91,7 @@ class ConvertedSystem:
     producer: str = entry("the library")
     target: str = entry("the file")
     written: bool = entry("whether it was")
-    diagnostics: Sequence[Diagnostic] = entry("what differs", SHORT)
+    diagnostics: Sequence[Diagnostic] = entry("differences", SHORT)
 
 
 @dataclass(frozen=True)

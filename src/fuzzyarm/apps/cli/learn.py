@@ -155,8 +155,8 @@ class Learned:
     levels: Mapping[str, Sequence[float]] = entry("levels of each input, in rising order")
     tables: Any = entry("values of each axis, a row for each level of the first input")
     visits: Any = entry("how often each cell was used, in the same order")
-    file: str | None = entry("what was written; null without -o")
-    snapshots: list[Moment] | None = entry("with --every: what was shown meanwhile", default=None)
+    file: str | None = entry("the written file; null without -o")
+    snapshots: list[Moment] | None = entry("with --every: the tables shown during the training", default=None)
 
 
 class _Watched:

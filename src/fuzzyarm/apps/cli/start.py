@@ -122,7 +122,7 @@ class ShippedFile:
     """A file that comes with fuzzyarm."""
 
     name: str = entry("its name")
-    kind: str = entry("what it is")
+    kind: str = entry("its kind")
     description: str = entry("its own words")
 
 

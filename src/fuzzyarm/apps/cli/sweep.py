@@ -146,7 +146,7 @@ class SweepReport:
     many: Many
     sweep: tuple[Range, ...] = entry("in the order of the runs, the last one fastest")
     metric: str = entry("whose extremes are shown")
-    file: str | None = entry("what was written")
+    file: str | None = entry("the written file")
 
     @property
     def diverged(self) -> int:

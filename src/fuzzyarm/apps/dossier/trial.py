@@ -66,7 +66,7 @@ class TextLine(NamedTuple):
     line : int
         Its number.
     text : str
-        What it says.
+        Its words.
     """
 
     line: int

@@ -162,7 +162,7 @@ class Operations:
 
     @property
     def total(self) -> float:
-        """The sum of all."""
+        """The sum of all kinds."""
         return self.arithmetic + self.comparisons + self.functions
 
 

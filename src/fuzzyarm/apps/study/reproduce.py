@@ -203,7 +203,7 @@ class RowJudgement:
     faults : tuple of str
         What is outside, in words.
     note : str
-        What is known about the row.
+        Remarks on the row.
     """
 
     within: bool

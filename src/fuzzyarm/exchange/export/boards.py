@@ -17,7 +17,7 @@ class Board:
     Attributes
     ----------
     name : str
-        What it is called in commands.
+        Its name in commands.
     title : str
         What people call it.
     processor : str

@@ -89,14 +89,14 @@ class ExportedFunction:
     call: str = entry("its declaration")
     worst: float = entry("the largest difference from `against` at the points that were tried")
     points: int = entry("how many points were tried")
-    against: str = entry("with what it was compared")
+    against: str = entry("the reference of the comparison")
     proved: float | None = entry("the proved error against the rules; null where there is none")
     operations: Mapping[str, int | None] = entry(
         "most operations of a call, by their sort; null where they are not bounded"
     )
     stack: int | None = entry("bytes of local variables; null of a controller")
-    output: str = entry("what it returns", default="")
-    arguments: Sequence[str] = entry("what it takes", default=())
+    output: str = entry("the returned output", default="")
+    arguments: Sequence[str] = entry("its arguments", default=())
     type: str = entry("its type", default="")
 
 
@@ -428,7 +428,7 @@ class ExportedController(Files):
 
     @property
     def drives(self) -> list[str]:
-        """What it drives."""
+        """The driven ports."""
         return self._ports("drive")
 
     @property

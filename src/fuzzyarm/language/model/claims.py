@@ -35,7 +35,7 @@ class LoopClaim:
     when : str
         ``always``; ``during`` from `begin` to `end`; ``after`` `begin`, s.
     low, high : float
-        Between what the output stays.
+        The bounds of the output.
     begin, end : float
         When it does, s; infinite for ever.
     """
