@@ -156,7 +156,9 @@ class Learned:
     tables: Any = entry("values of each axis, a row for each level of the first input")
     visits: Any = entry("how often each cell was used, in the same order")
     file: str | None = entry("the written file; null without -o")
-    snapshots: list[Moment] | None = entry("with --every: the tables shown during the training", default=None)
+    snapshots: list[Moment] | None = entry(
+        "with --every: the states shown on the way", default=None
+    )
 
 
 class _Watched:
