@@ -71,7 +71,7 @@ class BoardFolder:
     constants, state : int
         Bytes of tables, and of variables that a program holds for it.
     doubt : str
-        A sentence on what could not be checked of it; empty where all was.
+        A sentence on unchecked parts; empty if there are none.
     """
 
     files: dict[str, str]
@@ -93,7 +93,7 @@ class _BoardPart:
     """What routines and controllers have in common on a board."""
 
     stem: str
-    words: str  # what it is, in one line
+    words: str  # its purpose, in one line
     library: CText
     call: MeasuredStep
     sketch: list[str]
@@ -108,7 +108,7 @@ class _BoardPart:
         return {f"{self.stem}{end}": text for end, text in self.library.files.items()}
 
     def measured(self, board: Board) -> Measured | None:
-        """Return what it takes on a board; None where nothing here can measure it."""
+        """Return its cost on a board; None if it cannot be measured here."""
         if not (board.avr and has_compiler()):
             return None
         return measure(board, self.sources(), self.stem, self.call)
@@ -148,7 +148,7 @@ def board_folder(
 
 
 def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) -> Pace | None:
-    """Return what a turn of another program takes; None where it cannot be, or is too large."""
+    """Return the cost of a turn of another program; None if it cannot be built, or is too large."""
     try:
         part = _controller_part(make(), stem, board)
         measured = part.measured(board)
@@ -411,7 +411,7 @@ def _scales(routine: Routine) -> list[WholeNumberScale | None]:
 def _from_pin(
     low: float, high: float, number: int, scale: WholeNumberScale | None, kind: Kind, board: Board
 ) -> str:
-    """Return what reads an input; of a board with too few pins the rest stays in the middle."""
+    """Return the code that reads an input; beyond the board's pins inputs stay in the middle."""
     ends = [x if math.isfinite(x) else 0.0 for x in (low, high)]
     if number >= board.pins:
         middle = 0.5 * (ends[0] + ends[1])
@@ -426,7 +426,7 @@ def _from_pin(
 
 
 def _quantity(name: str, scale: WholeNumberScale | None) -> str:
-    """Return what a result stands for."""
+    """Return the meaning of a result."""
     if scale is None:
         return name
     text = f"{name} * {c_number(scale.step, np.float32)}"
@@ -486,7 +486,7 @@ def _properties(part: _BoardPart, board: Board) -> str:
 
 
 def _architecture(board: Board) -> str:
-    """Return what the Arduino IDE calls what PlatformIO calls a platform."""
+    """Return the Arduino IDE's name of a PlatformIO platform."""
     names = {"atmelsam": "sam", "raspberrypi": "rp2040,mbed_rp2040", "espressif32": "esp32"}
     return names[board.platform]
 

@@ -52,7 +52,7 @@ class MeasuredStep:
     count : int
         How many calls there are.
     arrays : int
-        Bytes of variables of the program around the library: no part of what it takes.
+        Bytes of variables of the program around the library, not part of its cost.
     self_test : str
         The function that tests the library.
     """
@@ -117,7 +117,7 @@ def has_simulator() -> bool:
 
 
 def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredStep) -> Measured:
-    """Build a library for a board and count what it takes."""
+    """Build a library for a board and measure its cost."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as name:
         folder = Path(name)
         for file, text in files.items():
@@ -127,7 +127,7 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredSte
         compiler = _say(["avr-gcc", "-dumpversion"], folder).strip()
         _say(["avr-gcc", *target, "-c", f"{stem}.c", "-o", "own.o"], folder)
         size = sum(_sizes("own.o", folder)[:2])
-        # Room for what is too large: the answer is how large it is.
+        # With room for an oversized program, whose size is then known.
         roomy = "-Wl,--defsym=__TEXT_REGION_LENGTH__=8192K"
         for flag, program in (("-DNOTHING", "nothing"), ("-DCALL", "calling")):
             sources = ["size.c", f"{stem}.c", "-o", program, "-lm", roomy]
@@ -135,10 +135,10 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredSte
         without, calling = _sizes("nothing", folder), _sizes("calling", folder)
         code, data, bss = (a - b for a, b in zip(calling, without, strict=True))
         flash, static = code + data, data + bss - call.arrays
-        what = "code, tables and arithmetic"
+        parts = "code, tables and arithmetic"
         fits = flash <= board.flash and static < board.ram
         if not has_simulator() or not fits:
-            return Measured(compiler, Footprint(flash, static, 0, what), size, None, None)
+            return Measured(compiler, Footprint(flash, static, 0, parts), size, None, None)
         (folder / "run.c").write_text(_run_program(call), "utf-8")
         sources = ["run.c", f"{stem}.c", f"{stem}_self_test.c", "-o", "run", "-lm"]
         _say(["avr-gcc", *target, *sources], folder)
@@ -148,12 +148,12 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredSte
         # One more than the calls: the first is that of an empty one.
         if len(figures.get("low", [])) != call.count + 1 or "test" not in figures:
             raise ExportError(f"simavr ended early: {output.strip()[-200:]}")
-        footprint = Footprint(flash, static, stack, what)
+        footprint = Footprint(flash, static, stack, parts)
         return Measured(compiler, footprint, size, _cycles(figures), figures["test"] == [0])
 
 
 def _say(words: Sequence[str], folder: Path) -> str:
-    """Run a program and return what it says."""
+    """Run a program and return its output."""
     process = run_tool(words, folder, _SECONDS, to="measure with")
     return process.stdout + process.stderr
 
@@ -354,7 +354,7 @@ SHORTEST = 100
 """The shortest period of a board, in µs: half of one is 0.5 % of it."""
 
 _MOST_COUNTS = 2**31
-"""Half of what 32 bits count: a loop that is late by less than that is seen to be late."""
+"""Half of the 32-bit range: a loop that is late by less is recognised as late."""
 
 SHARE = 0.9
 """How much of a period a call may take."""
@@ -373,7 +373,7 @@ class Clock:
 
 
 def clock_of(period: float) -> Clock:
-    """Return what counts a period, rounded to whole counts; ExportError if it is too short.
+    """Return the counter of a period, rounded to whole counts; ExportError if it is too short.
 
     The longest period of the language, an hour, is within the milliseconds.
     """
@@ -403,7 +403,7 @@ class Pace:
 
 
 def pace_of(measured: Measured | None, board: Board, inputs: int) -> Pace | None:
-    """Return what a turn takes; None where no cycles were counted."""
+    """Return the cost of a turn; None where no cycles were counted."""
     if measured is None or not measured.cycles:
         return None
     return Pace(max(measured.cycles) / board.clock, min(inputs, board.pins) * PIN_SECONDS)
@@ -416,7 +416,7 @@ def demand_pace(
     board: Board,
     others: Mapping[str, Callable[[], Pace | None]],
 ) -> None:
-    """Raise `ExportError` where a turn takes over 90 % of the period, with what fits."""
+    """Raise `ExportError` where a turn takes over 90 % of the period, with feasible options."""
     if pace is None or pace.whole <= SHARE * period:
         return
     reading = f" and {_short(pace.pins)} to read its pins" if pace.pins else ""
@@ -429,7 +429,7 @@ def demand_pace(
 
 
 def _fitting(pace: Pace, period: float, others: Mapping[str, Callable[[], Pace | None]]) -> str:
-    """Return what fits: the first option that does, and a longer period."""
+    """Return the feasible options: the first one that fits, and a longer period."""
     words = [f"a period of {_short(_rounded_up(pace.whole / SHARE))} holds it"]
     for option, made in others.items():
         other = made()

@@ -1,4 +1,4 @@
-"""Boards: what they hold, and whether an exported file fits."""
+"""Boards: their memory, and whether an exported file fits."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def demand_fit(footprint: Footprint, board: Board, name: str) -> None:
 
 
 def _reached(footprint: Footprint, board: Board) -> list[tuple[int, int, str]]:
-    """Return sizes of constants beside what a board can address of them."""
+    """Return sizes of constants beside the board's address limits."""
     if not board.avr:
         return []
     return [

@@ -139,7 +139,7 @@ class CPrinter(Printer):
     flash, largest : int
         Bytes of constants, and of the largest array of them.
     in_flash : str
-        Stands before the type of what stays in flash.
+        Qualifier of types in flash.
     """
 
     in_flash = ""
@@ -250,8 +250,8 @@ class CPrinter(Printer):
                 "save": list(self._copied(self.steps, saved=True)),
                 "load": list(self._copied(self.steps, saved=False)),
             }
-            for what, prototype in self._prototypes(self.steps).items():
-                body = bodies[what]
+            for part, prototype in self._prototypes(self.steps).items():
+                body = bodies[part]
                 if not any("s->" in line for line in body):  # a drive that is a number
                     body = ["(void)s;", *body]
                 lines = [f"    {line}" for line in body]
@@ -337,7 +337,7 @@ _CONSTANT = re.compile(r"static const [^=]*?(\w+)\[")
 
 
 def _assembled(constants: Sequence[str], functions: Sequence[str]) -> str:
-    """Return constants and functions; what one function reads alone stands in it."""
+    """Return constants and functions; constants of a single function are local to it."""
     texts, shared = list(functions), []
     for constant in constants:
         name = _CONSTANT.match(constant)[1]  # type: ignore[index]
@@ -411,7 +411,7 @@ class _Entry(NamedTuple):
 
 
 class _Types:
-    """The structs of a controller: ports, gains, and what it remembers, axis by axis."""
+    """The structs of a controller: ports, gains and states, axis by axis."""
 
     def __init__(self, printer: CPrinter, steps: Steps) -> None:
         self.printer, self.steps, self.prefix = printer, steps, printer.prefix

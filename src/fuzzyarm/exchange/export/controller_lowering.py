@@ -233,7 +233,7 @@ class _Lowering:
             yield from self._block(block)
 
     def _block(self, block: Block) -> Iterator[Line]:
-        """Yield the statements of an axis: what they leave behind stands in its conditions."""
+        """Yield the statements of an axis, with its state updates under its condition."""
         guard = block.guard
         for name, value in guard.sent.items():
             yield Assign(name, constant(rounded([value], self.outer, "a drive").tolist()[0]))
@@ -289,13 +289,13 @@ class _Lowering:
         self._know(target, kind)
 
     def _read(self, name: str, kind: Kind | None = None) -> Node:
-        """Return what stands for a symbol in arithmetic, or as it is kept where `kind` is that."""
+        """Return a symbol's substitute in arithmetic, or in its stored form if `kind` is that."""
         if kind is not None and self.kinds.get(name) is kind:
             return symbol(name)
         return self.known.get(name, symbol(name))
 
     def _plain(self, value: Node) -> Node:
-        """Return an expression over what stands for its symbols."""
+        """Return an expression over the substitutes of its symbols."""
         return replace(value, {name: self._read(name) for name in symbols(value)})
 
     def _value(self, value: Node) -> tuple[list[Line], Node]:
@@ -389,7 +389,7 @@ class _Lowering:
         self.lessons += self._lesson(table, key, cell)
 
     def _lesson(self, table: LearningTable, key: str, cell: Node) -> Iterator[Line]:
-        """Yield what a lesson leaves behind: the corrected value, the visit, the ring."""
+        """Yield the state updates of learning: the corrected value, the visit, the ring."""
         teaches, place, corrected = self.taught[key]
         yield When(teaches, (Store(key, place, corrected),))
         visits = f"{key} visits"

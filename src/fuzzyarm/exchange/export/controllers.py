@@ -1,4 +1,4 @@
-"""Controllers ready to be exported: tables in place of rules, the self-test, what is said."""
+"""Controllers ready for export: tables in place of rules, self-test, remarks."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ class ControllerProgram:
     proofs : tuple of str
         What is proved of it in its loop.
     widened : bool
-        Whether rule bases compute in double precision within what is found in that only.
+        Whether rule bases that need double precision compute in it internally.
     """
 
     text: ControllerText
@@ -171,8 +171,8 @@ class ControllerProgram:
     def tried(self) -> Tried:
         """The sequence of the self-test, and how far the program that is printed is off.
 
-        What must come out is what the controller drives, in its precision; in single precision
-        throughout and with tables in whole numbers it is what the program drives.
+        The expected results are the drives of the controller, in its precision; in single precision
+        throughout and with tables of integers they are those of the program.
         """
         steps, outside = self.steps, self.steps.precision.outside
         evaluated = EvaluatedController(controller_program(steps))

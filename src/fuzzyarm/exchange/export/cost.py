@@ -50,7 +50,7 @@ class StepCost(NamedTuple):
 
 
 def step_cost(text: ControllerText) -> StepCost:
-    """Count what one period of a controller takes.
+    """Count the operations of a controller's period.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def step_cost(text: ControllerText) -> StepCost:
 
 
 def _cost(step: Step, steps: Steps) -> tuple[Operations, Operations]:
-    """Return what a step takes, at least and at most."""
+    """Return the least and greatest cost of a step."""
     if isinstance(step, Set):
         return operations_of(step.value, least=True), operations_of(step.value)
     if isinstance(step, Ask):
@@ -130,7 +130,7 @@ _SETTLE = Operations({COMPARISONS: 4})
 
 
 def rule_cost(rulebase: RuleBase) -> tuple[Operations, Operations]:
-    """Return what the kernel takes for one point, at least and at most."""
+    """Return the least and greatest cost of the kernel at a point."""
     layout = lay_out(plan(rulebase), compiled=False)
     costs = list(_Programs(layout).costs())
     return min(costs, key=lambda cost: cost.total()), max(costs, key=lambda cost: cost.total())

@@ -432,7 +432,7 @@ _STUBS2: tuple[tuple[str, str], ...] = (
     ("CompletedIntegratorStep", "int keeps_state, int *event, int *terminate"),
     ("SetTime", "double time"),
     ("SetContinuousStates", "const double x[], size_t n"),
-    *((f"Get{what}", "double x[], size_t n") for what in (
+    *((f"Get{name}", "double x[], size_t n") for name in (
         "Derivatives", "EventIndicators", "ContinuousStates", "NominalsOfContinuousStates")),
 )  # fmt: skip
 
@@ -474,7 +474,7 @@ _STUBS3: tuple[tuple[str, str], ...] = (
     ("CompletedIntegratorStep", "bool keeps_state, bool *event, bool *terminate"),
     ("SetTime", "double time"),
     ("SetContinuousStates", "const double x[], size_t n"),
-    *((f"Get{what}", "double x[], size_t n") for what in (
+    *((f"Get{name}", "double x[], size_t n") for name in (
         "ContinuousStateDerivatives", "EventIndicators", "ContinuousStates",
         "NominalsOfContinuousStates")),
     ("GetOutputDerivatives", f"{_MANY}, const int32_t orders[], double values[], size_t m"),

@@ -96,7 +96,7 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit to be built: its C, and what its description says.
+    """A unit to build: its C, and the data of its description.
 
     The variables that may be set come first. Without a `period` outputs follow their inputs at
     once; with one they follow those of the beginning of a step.
@@ -225,7 +225,7 @@ def _built(unit: Unit, version: int, platforms: Sequence[Platform]) -> bytes:
         raise ExportError(f"version {version} of FMI is not supported", hint="versions 2 and 3 are")
     compiler = _cross_compiler() if platforms else find_compiler()
     prefix = unit.prefix
-    # The host compares this token with that of the library: it changes with what is computed.
+    # The host compares this token with that of the library: it is a digest of the program.
     digest = hashlib.sha256((unit.functions + str(version)).encode()).digest()
     token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
     source = f'#include "{prefix}.h"\n\n{fmi_source(version, token, unit.c)}'

@@ -1,4 +1,4 @@
-"""What follows from the form of an expression: what it carries, may be, or has in common."""
+"""Properties of an expression by its form: NaN propagation, sign, common parts."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def endless(value: Node, states: Collection[str]) -> set[str]:
     if isinstance(value, Constant):
         return set() if math.isfinite(value.value) else {NOT_A_NUMBER, _LOW, _HIGH}
     if isinstance(value, Symbol):
-        # Signals and values that are read are numbers, what is found on the way need not be.
+        # Signals and inputs are numbers, intermediate results need not be.
         ways = {NOT_A_NUMBER, _LOW, _HIGH} if value.name.startswith("local:") else {_LOW, _HIGH}
         return set() if value.name in states else ways
     if not isinstance(value, Apply) or value.operation != "where":

@@ -134,7 +134,7 @@ class _Walk:
         return self.functions[key]
 
     def dispatch(self, number: Node, arguments: Sequence[Value]) -> list[Line]:
-        """Return the call of what a number stands for, by a function that knows all."""
+        """Return the call of the function behind an address, by a dispatcher."""
         listed = self.walk.functions.norms if len(arguments) == 4 else self.walk.functions.curves
         if isinstance(number, Whole):
             return self.function(listed[number.value], arguments).run(arguments)
@@ -228,7 +228,7 @@ class _Lowered(Expressions):
                 kind = PLACE if place[1] else KINDS[Scalar(self.types[names[place[0]]])]
                 parameters[key] = Variable(key.replace(" ", "_"), kind)
                 self.signature.append(place)
-        # A parameter stays as it is; what is set is a copy.
+        # A parameter stays as it is; an assigned one is a copy.
         changed = [key for key in parameters if key in set_in(body)]
         for key in changed:
             parameters = {
@@ -256,7 +256,7 @@ class _Lowered(Expressions):
         return [(name, "")]
 
     def arguments(self, values: Sequence[Value]) -> tuple[Node, ...]:
-        """Return what it is handed of some values."""
+        """Return the arguments of some values."""
         passed = []
         for number, part in self.signature:
             value = values[number]
@@ -333,7 +333,7 @@ class _Lowered(Expressions):
     def _assigned(self, target: ast.expr, source: ast.expr) -> list[Line]:
         value = self.value(source)
         if isinstance(source, ast.Tuple) and isinstance(target, ast.Tuple):
-            # All values first, where one is made of what is assigned before it.
+            # Evaluate all values first: one may depend on a variable assigned before it.
             written = {ast.unparse(part) for part in target.elts[:-1]}
             stores = any(isinstance(part, ast.Subscript) for part in target.elts[:-1])
             later = [
@@ -413,7 +413,7 @@ class _Lowered(Expressions):
             and not (range(start.value, end.value, step.value))
         ):
             return []
-        # The end is found once: the body may change what it is made of.
+        # The end is evaluated once: the body may change its operands.
         name = node.target.id
         inside = {n.id for each in node.body for n in ast.walk(each)
                   if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}  # fmt: skip

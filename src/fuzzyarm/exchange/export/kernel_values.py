@@ -57,7 +57,7 @@ class Stretch(NamedTuple):
 
 
 class Value(NamedTuple):
-    """An expression, a stretch, or several values; `given`: what the walk itself was given."""
+    """An expression, a slice, or several values; `given` marks arguments of the walk itself."""
 
     content: Any
     type: Type
@@ -80,7 +80,7 @@ class Setting(Protocol):
         """Lower a function for arguments of some types, with all that it calls."""
 
     def dispatch(self, number: Node, arguments: Sequence[Value]) -> list[Line]:
-        """Return the call of what a number stands for."""
+        """Return the call of the function behind an address."""
 
 
 class LoweredKernel(Protocol):
@@ -91,7 +91,7 @@ class LoweredKernel(Protocol):
     result: Node | None
 
     def arguments(self, values: Sequence[Value]) -> tuple[Node, ...]:
-        """Return what it is handed of some values."""
+        """Return the arguments of some values."""
 
     def run(self, values: Sequence[Value]) -> list[Line]:
         """Return the statement that calls it."""
@@ -174,7 +174,7 @@ class Expressions:
         return self.calculated(node, self.value(node.left), self.value(node.right))
 
     def calculated(self, node: ast.BinOp | ast.AugAssign, a: Value, b: Value) -> Value:
-        """Return what an operator makes of two values."""
+        """Return the result of an operator on two values."""
         operator = type(node.op)
         both = wider(a.type, b.type)
         type_ = (

@@ -96,8 +96,8 @@ def _python_own(printer: Printer, name: str) -> None:
 
 
 def _python_source(function: Callable[..., Any]) -> str:
-    """Return the text of a function without what MicroPython does not need: types, wrappers."""
-    tree = ast.parse(inspect.getsource(function.__code__))  # not of what it wraps
+    """Return the text of a function without types and wrappers, for MicroPython."""
+    tree = ast.parse(inspect.getsource(function.__code__))  # not of the wrapped function
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef):
             node.decorator_list, node.returns = [], None

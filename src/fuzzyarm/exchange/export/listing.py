@@ -1,4 +1,4 @@
-"""A program as the statements of a C function, and what they cost.
+"""A program as the statements of a C function, and their cost.
 
 Each part that has a name becomes a variable. Straight terms stay conditional expressions;
 what needs its own part twice is written with more variables and ``if``, so that
@@ -285,7 +285,7 @@ def element(sums: SampleSums, column: str) -> str:
 
 
 def spread(name: str, root: Node, reserved: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
-    """Return statements that set the shared parts of an expression, and what it then is."""
+    """Return statements that set the shared parts of an expression, and the rest of it."""
     if not _needs_variables(root):
         return (), root
     return statements(root, prefix=f"{name}_", reserved=reserved)

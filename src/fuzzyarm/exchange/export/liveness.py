@@ -47,7 +47,7 @@ def _every(body: Sequence[Line]) -> Iterator[Line]:
 
 
 def _own(line: Line) -> list[Any]:
-    """Return what a statement reads itself, without its blocks."""
+    """Return the symbols that a statement reads itself, without its blocks."""
     if isinstance(line, When | While):
         return [line.condition]
     if isinstance(line, Count):
@@ -99,7 +99,7 @@ def _only(body: Sequence[Line], read: set[str]) -> list[Line]:
             lines.append(line._replace(body=tuple(_only(line.body, read))))
         elif not isinstance(line, Assign) or line.name in read:
             lines.append(line)
-        elif isinstance(line.value, Called):  # for what it does beside
+        elif isinstance(line.value, Called):  # for its side effects
             lines.append(Run(line.value.function, line.value.arguments))
     return lines
 

@@ -73,7 +73,7 @@ def _described(argument: RoutineArgument) -> dict[str, Any]:
 def routine_function(
     routine: Routine, stem: str, program: Program, *, public: bool = True
 ) -> Function:
-    """Return the function of a rule base or a table; what it calls is added to the program."""
+    """Return the function of a rule base or a table; its callees are added to the program."""
     if isinstance(routine, TableRoutine):
         return _Table(routine.core, program).looked_up(stem, public=public)
     assert isinstance(routine, DirectRoutine)
@@ -193,8 +193,8 @@ class _Table:
     def _number(self, value: float) -> Node:
         return Whole(int(value), self.inside) if self.fixed else constant(float(value))
 
-    def _points(self, axis: int, what: str) -> str:
-        stem = f"{identifier(self.core.table.axes[axis].name)}_{what}"
+    def _points(self, axis: int, part: str) -> str:
+        stem = f"{identifier(self.core.table.axes[axis].name)}_{part}"
         return self.program.array(stem, self.inside, self.core.points[axis].tolist())
 
     def _values(self) -> str:
@@ -208,10 +208,10 @@ class _Table:
         return [(k, name, size) for k, (name, size) in enumerate(sizes) if size > 1]
 
     def _cell(self) -> Node:
-        what = "bins" if self.core.mode == "bins" else "middles"
+        part = "bins" if self.core.mode == "bins" else "middles"
         index: Node | None = None
         for axis, name, size in self._axes():
-            points = self._points(axis, what)
+            points = self._points(axis, part)
             found = self.program.search(
                 points, 0, size - 1, symbol(name), kind=self.inside, reached=False
             )

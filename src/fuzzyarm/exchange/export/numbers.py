@@ -1,4 +1,4 @@
-"""Numbers of the exported languages: rounding, literals, and what cannot be exported."""
+"""Numbers of the exported languages: rounding, literals and refusals."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ExportError(FuzzyarmError, ValueError):
     Attributes
     ----------
     span : Span
-        What is in the way, in its file; `NOWHERE` for what is not one line.
+        The offending part in its file; `NOWHERE` if it is not one line.
     path : str
         The file, where it is known.
     """
@@ -60,7 +60,7 @@ LARGEST = float(np.finfo(np.float32).max)
 
 
 def stand_ins(numbers: Iterable[float]) -> tuple[float, float]:
-    """Return what stands for infinity, and for the smallest number above 0, beside `numbers`.
+    """Return substitutes for infinity, and for the smallest number above 0, beside `numbers`.
 
     Unless the largest is extreme these are numbers of single precision: some compilers of
     Structured Text (matiec) take no other literal, not even for an LREAL.
@@ -119,25 +119,25 @@ def precision_named(name: str, *, arithmetic: bool) -> Precision:
     return Precision(outside, inside, inside)
 
 
-def rounded(values: Iterable[float] | NDArray[np.float64], kind: Kind, what: str) -> NDArray[Any]:
-    """Return `values` as numbers of `kind`; refuse what is too large for single precision."""
+def rounded(values: Iterable[float] | NDArray[np.float64], kind: Kind, name: str) -> NDArray[Any]:
+    """Return `values` as numbers of `kind`; refuse those too large for single precision."""
     array = np.asarray(values, dtype=np.float64)
     if kind is np.float32 and array.size and not np.abs(array).max() <= LARGEST:
         raise ExportError(
-            f"{what} has {float(array.flat[int(np.abs(array).argmax())])!r}, which is too large"
+            f"{name} has {float(array.flat[int(np.abs(array).argmax())])!r}, which is too large"
             " for single precision",
             hint="export with --precision float64",
         )
     return array.astype(kind)
 
 
-def rounded_down(values: Sequence[float], kind: Kind, what: str) -> NDArray[Any]:
+def rounded_down(values: Sequence[float], kind: Kind, name: str) -> NDArray[Any]:
     """Return the greatest numbers of `kind` that do not exceed `values`.
 
     For an x of that kind, x is greater than the result exactly where it is greater than the
     value: a comparison in single precision decides as one in double precision does.
     """
-    near = rounded(values, kind, what)
+    near = rounded(values, kind, name)
     too_large = near.astype(np.float64) > np.asarray(values, dtype=np.float64)
     return np.where(too_large, np.nextafter(near, kind(-math.inf)), near)
 

@@ -122,7 +122,7 @@ class Project:
 
 @dataclass(frozen=True)
 class _BlockTest:
-    """A block, and what it has to give, call by call."""
+    """A block, with its expected results call by call."""
 
     block: str
     inputs: Sequence[Sequence[float]]
@@ -258,7 +258,7 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
             # Fixed-point blocks have to agree exactly.
             if not np.issubdtype(trial.kind, np.integer):
                 tolerance = st_literal(trial.tolerance, trial.kind)
-                # Written as what has to be true: a comparison with not a number is false.
+                # Written as a positive condition: a comparison with NaN is false.
                 condition = f"NOT (ABS({block}.{name} - {place}) <= {tolerance})"
             lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]
         given = [f"{points}[k * {width} + {i}]" for i in range(len(inputs))]

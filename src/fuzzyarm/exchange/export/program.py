@@ -90,8 +90,8 @@ class Call:
     """A part of a program that C computes by its own function."""
 
     stem: str  # the name of the function, if it is free
-    body: Node  # what it computes, of the symbol ``h``
-    argument: Node  # what stands for ``h``
+    body: Node  # its value as a function of the symbol ``h``
+    argument: Node  # the argument for ``h``
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ class OutputProgram:
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
-        """All that is computed, each once; what is done at a sample is among it."""
+        """All expressions, each once, those of samples included."""
         roots = [root for sums in self.sums for root in sums.parts.values()]
         roots += [part for walk in self.walks for part in walk.parts]
         steps = [step.value for sums in self.sums for step in sums.body]
@@ -143,7 +143,7 @@ class OutputProgram:
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> OutputProgram:
-    """Write down one output of a rule base; an ExportError names what cannot be exported.
+    """Write down one output of a rule base; an ExportError names an obstacle.
 
     No variable takes one of `parameters`, the names of the inputs in the target language.
     """
@@ -189,7 +189,7 @@ class _Builder:
         self.degrees: dict[tuple[str, str, tuple[Hedge, ...]], Node] = {}
         # Of each output: the strength of each member so far, and the name of its variable.
         self.heights: dict[str, dict[int, tuple[str, Node]]] = {}
-        # Of each output whose aggregate is not the greatest: what its rules add up to.
+        # The sum over the rules, for each output with another aggregate than the maximum.
         self.sums: dict[str, _SetSums] = {}
         self.fired: dict[str, list[tuple[int, Node, str]]] = {}
         self.guards: list[Node] = []
@@ -264,9 +264,9 @@ class _Builder:
     def _fire(self, index: int, planned: PlannedRule, outputs: set[str]) -> None:
         if planned.degrees:
             listed = ", ".join(sorted(planned.degrees))
-            what = f"a rule reads '{listed}' as a set of its own block"
+            obstacle = f"a rule reads '{listed}' as a set of its own block"
             raise refuse(
-                what, planned.rule.span, "put the rules that read it into a separate block"
+                obstacle, planned.rule.span, "put the rules that read it into a separate block"
             )
         strength = times(self._truth(planned.rule.antecedent, planned), planned.rule.weight)
         if planned.threshold > 0.0:
@@ -379,12 +379,12 @@ class _Builder:
         if model.no_rule != "hold":
             return constant(math.nan)
         if model.name != self.target:
-            what = f"'{model.name}' holds its value, and other rules read it"
-            raise refuse(what, model.span, "write  no-rule 0")
+            obstacle = f"'{model.name}' holds its value, and other rules read it"
+            raise refuse(obstacle, model.span, "write  no-rule 0")
         return last_value
 
     def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
-        """Return what is above 0 where a rule fires, and the value that holds there."""
+        """Return a value above 0 where a rule fires, and the output's value there."""
         name, record = output.output.name, output.record
         if name in self.walked:
             total, figure = self._walk(output)
@@ -414,7 +414,7 @@ class _Builder:
         return area, plus(centre, _quotient(moment, area))
 
     def _walk(self, output: OutputPlan) -> Part:
-        """Return what a defuzzifier of the kernel makes of the strengths."""
+        """Return the result of a defuzzifier of the kernel for the strengths."""
         name = output.output.name
         layout = lay_out_output(self.plan, name, Listed())
         strengths = {member: height for member, (_, height) in self.heights[name].items()}
@@ -545,8 +545,8 @@ class _Builder:
             ) from None
         if not all(piece.straight for piece in consequent.pieces):
             term = f"{model.name} is {consequent.term.name}"
-            what = f"'{term}' is curved, and its position is searched for"
-            raise refuse(what, consequent.term.span, "write  defuzzifier weighted-average")
+            obstacle = f"'{term}' is curved, and its position is searched for"
+            raise refuse(obstacle, consequent.term.span, "write  defuzzifier weighted-average")
         return _on_pieces(
             consequent.pieces, height, model.high if rising else model.low, rising=rising
         )
@@ -556,13 +556,13 @@ class _Builder:
         formula = formula_of(term.shape)
         names = {variable.name for variable in self.plan.rulebase.inputs}
         if not {name for name in formula.names if name not in CONSTANTS} <= names:
-            what = f"consequent '{term.name}' of '{output.output.name}' reads an output"
-            raise refuse(what, term.span, "give it the inputs that the output is made of")
+            obstacle = f"consequent '{term.name}' of '{output.output.name}' reads an output"
+            raise refuse(obstacle, term.span, "give it the inputs that the output is made of")
         return replace(formula.with_constants(tuple(names)), self.values)
 
 
 def _is_expression(output: OutputPlan) -> bool:
-    """Whether an expression of reasonable length says what a set is worth."""
+    """Whether an expression of reasonable length gives the value of a set."""
     way = output.output.defuzzifier
     if output.record.of != "gravity" or way.joined:
         return False

@@ -60,11 +60,11 @@ class CallCost:
     """What one call takes at most."""
 
     operations: tuple[tuple[str, int], ...]  # kind of operation and how many
-    stack: int  # bytes of local variables, without what the compiler adds
+    stack: int  # bytes of local variables, without the compiler's own
     unbounded: str = ""  # the defuzzifier whose loops are not counted
 
     def by_sort(self) -> dict[str, int | None]:
-        """Return the most operations of each sort; None of what is not bounded."""
+        """Return the most operations of each kind; None if unbounded."""
         return {**dict(self.operations), **({self.unbounded: None} if self.unbounded else {})}
 
     def in_words(self) -> str:
@@ -85,12 +85,12 @@ class Accuracy:
 
     worst: float  # largest absolute difference, in units of the output
     points: int  # how many were compared
-    against: str  # what the model is
+    against: str  # the model of the comparison
 
 
 @dataclass(frozen=True, eq=False)
 class TestPoints:
-    """Points for a self-test: the inputs, one array for each, and what must come out."""
+    """Points for a self-test: the inputs, one array for each, and the expected results."""
 
     inputs: tuple[NDArray[Any], ...]
     expected: NDArray[Any]
@@ -113,13 +113,13 @@ class Routine(Protocol):
         """The type of arguments and result."""
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
-        """Return what the function returns, bit for bit."""
+        """Return the function's result, bit for bit."""
 
     def cost(self) -> CallCost:
-        """Return what one call takes."""
+        """Return the cost of one call."""
 
     def remarks(self) -> list[str]:
-        """Return what the head of the file says of index order, borders and arithmetic."""
+        """Return the header comment's lines on index order, borders and arithmetic."""
 
     def provenance(self) -> Sequence[tuple[str, str]]:
         """Return where it comes from, as pairs of key and text."""

@@ -102,12 +102,12 @@ class DirectRoutine:
         return self.precision.outside
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
-        """Return what the function returns at arguments in order, bit for bit."""
+        """Return the function's result at arguments in order, bit for bit."""
         outside, inside, _ = self.precision
         with np.errstate(over="ignore"):
             arrays = [np.atleast_1d(np.asarray(x, dtype=outside)) for x in inputs]
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
-        # Arrays stay as they are: what depends on one input is computed once for its values.
+        # Arrays keep their axes: functions of one input are evaluated once for its values.
         columns = [
             array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in arrays
         ]
@@ -135,7 +135,7 @@ class DirectRoutine:
         return max([*counts, *(walk.steps for walk in self.program.walks)], default=1)
 
     def cost(self) -> CallCost:
-        """Return what one call takes."""
+        """Return the cost of one call."""
         counted = {
             f"{sort} of math.h" if sort == "functions" else sort: count
             for sort, count in self.listing.operations().items()
@@ -156,7 +156,7 @@ class DirectRoutine:
         return f"the result is {value} where no rule fires"
 
     def remarks(self) -> list[str]:
-        """Return what the head of the file says of inference, borders and arithmetic."""
+        """Return the header comment's lines on inference, borders and arithmetic."""
         output = self.rulebase.output(self.name)
         blocks = "; ".join(
             f"and {b.conjunction}, or {b.disjunction}, implication {b.implication}"
@@ -290,7 +290,7 @@ def direct_routine(
     *,
     widened: bool = False,
 ) -> DirectRoutine:
-    """Prepare the direct inference of one output; an ExportError names what cannot be exported.
+    """Prepare the direct inference of one output; an ExportError names an obstacle.
 
     With `widened` what is found in double precision only is computed so within, whatever the
     precision.
@@ -354,7 +354,7 @@ def _forgiving(rulebase: RuleBase) -> RuleBase:
 
 
 def _single_words(inside: Kind) -> list[str]:
-    """Say what single precision does next to a corner; doubles have the bits of the model."""
+    """Explain single precision next to a corner; doubles have the bits of the model."""
     if inside is not np.float32:
         return []
     return [

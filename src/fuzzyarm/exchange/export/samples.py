@@ -36,7 +36,7 @@ class SampleSums:
     index: str
     # Numbers for each sample, by the symbol that stands for the current one.
     columns: Mapping[str, tuple[float, ...]]
-    stems: Mapping[str, str]  # what the arrays of the columns are to be called
+    stems: Mapping[str, str]  # names of the arrays of the columns
     # Parts of the program, by the symbol that stands for one in `steps`.
     parts: Mapping[str, Node]
     # Set `height` again and again, of itself, of columns and of parts.

@@ -39,10 +39,10 @@ ZERO, ONE = constant(0.0), constant(1.0)
 TABLE_HINT = "--table makes a table of it"
 
 
-def refuse(what: str, at: Span = NOWHERE, instead: str = "") -> ExportError:
-    """Return the error that names what cannot be exported, where it stands and what can be."""
+def refuse(obstacle: str, at: Span = NOWHERE, instead: str = "") -> ExportError:
+    """Return the error about an obstacle to export, with its position and an alternative."""
     hint = f"{instead}, or {TABLE_HINT}" if instead else TABLE_HINT
-    return ExportError(f"the direct inference cannot be exported: {what}", hint=hint, span=at)
+    return ExportError(f"the direct inference cannot be exported: {obstacle}", hint=hint, span=at)
 
 
 # ── arithmetic that folds zero and one ───────────────────────────────────────────────
@@ -111,8 +111,8 @@ def degree_of(term: Term, variable: str, x: Node) -> Node:
             )
         return _on_lines(lines, x)
     if kind.function is None:
-        what = f"term '{term.name}' of '{variable}' has no degrees that C could compute"
-        raise refuse(what, term.span)
+        obstacle = f"term '{term.name}' of '{variable}' has no degrees that C could compute"
+        raise refuse(obstacle, term.span)
     numbers = dict(zip(kind.symbols[1:], shape.parameters, strict=True))
     degree = replace(specialise(kind.expression, numbers), {kind.symbols[0]: x})
     return times(degree, shape.height)
@@ -122,8 +122,8 @@ def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
     try:
         return replace(degree_formula(term.shape), {POSITION: x})
     except FormulaError:
-        what = f"term '{term.name}' of '{variable}' is a formula of several"
-        raise refuse(what, term.span) from None
+        obstacle = f"term '{term.name}' of '{variable}' is a formula of several"
+        raise refuse(obstacle, term.span) from None
 
 
 def _on_lines(lines: StraightShape, x: Node) -> Node:

@@ -37,7 +37,7 @@ def first_of(axis: str) -> str:
 
 
 def limited_value() -> Node:
-    """Return what a cell that learns holds: a value within ± bound, as the kernel has it."""
+    """Return the value of a learning cell, clipped to ± bound as in the kernel."""
     limited: Node = op.minimum(op.maximum(symbol("value"), -symbol("bound")), symbol("bound"))
     return limited
 
@@ -55,7 +55,7 @@ class StepVariable(NamedTuple):
     axis : str
         Empty of a gain for all axes.
     name : str
-        In the text; of a state what it is made of.
+        Name in the text; of a state, the name of its origin.
     start : float
         Before the first step.
     wide : bool
@@ -113,7 +113,7 @@ class Set(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """Set a local variable to what a routine gives for some symbols."""
+    """Assign a local variable the result of a routine for some symbols."""
 
     target: str
     routine: str  # a key of `Steps.routines`
@@ -172,7 +172,7 @@ class Guard(NamedTuple):
     reads : tuple of str
         Symbols of its ports; where one is not a number, the steps are skipped.
     drives : dict of str to float or None
-        By the symbol of each drive, what it is in a skipped period; None: its last value.
+        By the symbol of each drive, its value in a skipped period; None: its last value.
     numbers, finite : tuple of str
         Symbols that have to be numbers, and finite, at the end of the steps: else they leave
         nothing behind.
@@ -191,13 +191,13 @@ class Guard(NamedTuple):
 
     @property
     def settled(self) -> Node | None:
-        """Whether the period counts: what is found are numbers, what is remembered is finite."""
+        """Whether the period counts: results are numbers, new states finite."""
         finite: list[Node] = [op.equal(symbol(x) - symbol(x), 0.0) for x in self.finite]
         return _all([*map(_is_number, self.numbers), *finite])
 
     @property
     def sent(self) -> dict[str, float]:
-        """By the symbol of a drive, what it is in a skipped period if not its last value."""
+        """By the symbol of a drive, its value in a skipped period, if not the last one."""
         return {name: value for name, value in self.drives.items() if value is not None}
 
 
@@ -211,7 +211,7 @@ def _all(conditions: Sequence[Node]) -> Node | None:
 
 
 class Block(NamedTuple):
-    """The steps of an axis in order, and what they leave behind in a period that counts."""
+    """The steps of an axis in order, with its state updates in a period that counts."""
 
     guard: Guard
     steps: tuple[Step, ...]

@@ -355,7 +355,7 @@ def _routine_words(routine: Routine) -> list[str]:
 
 
 class _File(Printer):
-    """The units of a file: functions, and blocks for what has constants of its own."""
+    """The units of a file: functions, and blocks for those with constants of their own."""
 
     def __init__(self, program: Program, prefix: str, words: Mapping[str, list[str]]) -> None:
         self.program, self.target, self.words, self.stem = program, TARGET, words, prefix
@@ -531,7 +531,7 @@ class _Unit(FunctionPrinter):
 
     def _declare_state(self) -> None:
         program, self.arrays = self.file.program, self.state_arrays
-        # A port has its name before what is inside.
+        # A port gets its name before inner variables.
         for key, variable in program.drives.items():
             held = program.state.get(f"held {key}")
             start = _start(held) if held is not None and held.start else ""
@@ -584,7 +584,7 @@ class _Unit(FunctionPrinter):
         return name
 
     def _arrays_of_kernel(self, key: str) -> dict[str, tuple[Kind, int]]:
-        """Return what a function takes by reference: the room, then constants."""
+        """Return the arguments that a function takes by reference: scratch, then constants."""
         parameters, arrays = self.function.parameters, self.file.program.arrays
         room = {name: (each.kind, each.size) for name, each in parameters.items() if each.of_array}
         return room | {
@@ -603,7 +603,7 @@ class _Unit(FunctionPrinter):
         if key not in self.arrays:
             array = self.file.program.arrays[key]
             kind = self.file.array_type(array.kind, len(array.values))
-            # Not a constant: a function takes by reference what may be written to.
+            # Not a constant: arguments by reference must be writable.
             lines = number_lines(
                 [st_number(x, array.kind) for x in array.values], indent="        "
             )

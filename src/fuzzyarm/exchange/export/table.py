@@ -91,7 +91,7 @@ class FloatTable(NumberTable):
     """A table whose inputs, cells and result are floating-point numbers."""
 
     def evaluate(self, *inputs: Any) -> Reals:
-        """Return what the exported function returns, bit for bit, in the outer type.
+        """Return the exported function's result, bit for bit, in the outer type.
 
         The inputs, in the order of the axes, are rounded to that type first. NaN counts as the
         lower border of its axis.
@@ -103,7 +103,7 @@ class FloatTable(NumberTable):
         return self._look_up(columns).astype(outside)
 
     def arithmetic_error(self) -> float:
-        """Return what the result nowhere is further from the table than, by this arithmetic.
+        """Return a bound on the difference between result and table in this arithmetic.
 
         Shares of the way are off by the rounding of levels and of three operations, each blend
         by that of four, and the result once more; doubled, for terms of second order.
@@ -127,7 +127,7 @@ class FloatTable(NumberTable):
         return [None] * (len(self.table.axes) + 1)
 
     def remarks(self) -> list[str]:
-        """Return what the head of the file says of the numbers."""
+        """Return the header comment's lines on numbers."""
         words = self.precision.words
         if not self.linear:
             words = (
@@ -142,7 +142,7 @@ class FloatTable(NumberTable):
         return np.asarray(self.table.lookup(*quantities, mode=self.mode))
 
     def quantity(self, result: Reals) -> NDArray[np.float64]:
-        """Return what results stand for."""
+        """Return the meaning of results."""
         return result.astype(np.float64)
 
     def inputs_near(self, k: int, dense: NDArray[np.float64]) -> Reals:
@@ -174,9 +174,9 @@ def float_table(
         else:
             edges = axis.thresholds(lookup_mode)
             points.append(rounded_down(edges, types.inside, f"axis '{axis.name}'"))
-    what = f"the table of '{table.output}'"
-    rounded(table.values, types.outside, what)
-    values = rounded(table.values.ravel(), types.inside, what)
+    name = f"the table of '{table.output}'"
+    rounded(table.values, types.outside, name)
+    values = rounded(table.values.ravel(), types.inside, name)
     return FloatTable(table, lookup_mode, tuple(points), values, types)
 
 
@@ -256,7 +256,7 @@ class WholeNumberScale:
         return min(max(math.floor(self.exact(value)), self.low), self.high)
 
     def quantity(self, numbers: Any) -> NDArray[np.float64]:
-        """Return what whole numbers stand for."""
+        """Return the meaning of integers."""
         return self.offset + np.asarray(numbers, dtype=np.float64) * self.step
 
 
@@ -277,7 +277,7 @@ def scale_over(numbers: Sequence[float], bits: int) -> WholeNumberScale:
 
 
 def shift_of(scale: WholeNumberScale) -> int:
-    """Return what is added to a whole number so that it is not negative."""
+    """Return the offset that makes an integer nonnegative."""
     return -scale.low
 
 
@@ -338,7 +338,7 @@ class FixedTable(NumberTable):
     output: WholeNumberScale
 
     def evaluate(self, *inputs: Any) -> Integers:
-        """Return what the exported function returns, bit for bit.
+        """Return the exported function's result, bit for bit.
 
         Inputs, in the order of the axes, and result are whole numbers within the format.
         """
@@ -346,7 +346,7 @@ class FixedTable(NumberTable):
         return np.array(self._look_up(columns))
 
     def arithmetic_error(self) -> float:
-        """Return what the result nowhere is further from the table than, by this arithmetic.
+        """Return a bound on the difference between result and table in this arithmetic.
 
         A value is rounded by half a step, and so is each blend. A share of the way is rounded
         down by 2⁻¹⁵, and levels are rounded by what is known of each; that moves the value by
@@ -374,7 +374,7 @@ class FixedTable(NumberTable):
         return [*self.inputs, self.output]
 
     def remarks(self) -> list[str]:
-        """Return what the head of the file says of the numbers."""
+        """Return the header comment's lines on numbers."""
         scale = self.output
         return [
             f"q{scale.bits}: whole numbers of {scale.bits + 1} bits, 32-bit arithmetic, no"
@@ -394,7 +394,7 @@ class FixedTable(NumberTable):
         return np.asarray(self.table.values.ravel()[cells])
 
     def quantity(self, result: Integers) -> NDArray[np.float64]:
-        """Return what results stand for."""
+        """Return the meaning of results."""
         return self.output.quantity(result)
 
     def inputs_near(self, k: int, dense: NDArray[np.float64]) -> Integers:
@@ -450,7 +450,7 @@ def fewer_levels(axes: int, cells: int) -> str:
 
 
 def bytes_of_locals(core: Core) -> int:
-    """Return roughly what the local variables of a call take."""
+    """Return the approximate size of a call's local variables."""
     axes: int = sum(size > 1 for size in core.table.shape)
     if not core.linear:
         return 12 + 4 * axes
@@ -469,7 +469,7 @@ _MOST_POINTS = 3_000_000
 class TableRoutine:
     """A table with the arithmetic it is exported in.
 
-    `proved` is what the table nowhere differs from its rules by, where that is known.
+    `proved` is the bound on the difference between table and rules, if known.
     """
 
     core: Core
@@ -497,11 +497,11 @@ class TableRoutine:
         return self.core.precision.outside
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
-        """Return what the function returns, bit for bit."""
+        """Return the function's result, bit for bit."""
         return self.core.evaluate(*inputs)
 
     def cost(self) -> CallCost:
-        """Return what one call takes."""
+        """Return the cost of one call."""
         sizes = [size for size in self.core.table.shape if size > 1]
         searched = [size - 2 if self.core.linear else size - 1 for size in sizes]
         comparisons = sum(math.ceil(math.log2(n + 1)) for n in searched)
@@ -523,7 +523,7 @@ class TableRoutine:
         )
 
     def remarks(self) -> list[str]:
-        """Return what the head of the file says of index order, borders and arithmetic."""
+        """Return the header comment's lines on index order, borders and arithmetic."""
         table, core = self.core.table, self.core
         order = ", ".join(
             f"{word} {axis.name} ({len(axis.levels)} levels)"

@@ -87,7 +87,7 @@ class EvaluatedController:
                 setattr(self.controller, name, list(map(np.float32, value)))
 
     def value(self, symbol: str) -> float:
-        """Return a variable of the state by its symbol; NaN of what is none."""
+        """Return a variable of the state by its symbol; NaN for any other."""
         return float(getattr(self.controller, self._members.get(symbol, ""), math.nan))
 
     def after(self, symbols: Sequence[str], *ports: float) -> tuple[list[float], tuple[float, ...]]:
@@ -229,7 +229,7 @@ class _Places:
         self._ends: dict[int, tuple[float, float]] = {}
 
     def visit_best(self, samples: Sequence[Mapping[str, float]]) -> int:
-        """Visit what the period shows of the sample with most new places; return its number."""
+        """Visit the pieces of the sample with most new ones; return its number."""
         shown = [self._reached(sample) for sample in samples]
         counts = [self._new(reached, driven) for reached, driven in shown]
         best = counts.index(max(counts))
@@ -263,7 +263,7 @@ class _Places:
         return moved
 
     def _new(self, reached: set[tuple[object, ...]], driven: set[tuple[int, float]]) -> int:
-        """Return how many places were never visited, and drives beyond what they have reached."""
+        """Return the number of unvisited pieces, and of drives beyond their greatest values."""
         beyond = (
             not self._ends.get(k, _NONE)[0] <= x <= self._ends.get(k, _NONE)[1] for k, x in driven
         )
@@ -305,13 +305,13 @@ def _telling_errors(
 ) -> tuple[dict[str, tuple[NDArray[Any], NDArray[Any]]], dict[str, list[str]]]:
     """Return errors of each measured port, and changes of them, for the values that show most.
 
-    And of what is read, the ports that move it.
+    And for measured values, the ports that move them.
     """
     ports = _port_symbols(steps)
     wanted = [reads for reader in _read(steps) for reads in reader]
 
     def values(moved: str, size: float = _PROBE) -> list[NDArray[Any]]:
-        """Return what is read in the period in which a port moves, and in the next one."""
+        """Return the measured values in the period in which a port moves, and in the next one."""
         controller.start()
         found = []
         for error in (0.0, size, size):
@@ -342,7 +342,7 @@ def _telling_errors(
 
 
 def _read(steps: Steps) -> Iterator[list[tuple[str, NDArray[Any]]]]:
-    """Yield what each rule base and table reads, with values in and between its pieces."""
+    """Yield the inputs of each rule base and table, with values in and between its pieces."""
     for step in steps.steps:
         if isinstance(step, Ask):
             columns = steps.routines[step.routine].vectors().inputs

@@ -30,13 +30,13 @@ REAL, WHOLE, TRUTH = np.float64, np.int32, bool
 """Kinds of variables, beside the small whole numbers of fixed point."""
 
 INDEX, COUNT = np.uintp, np.uint32
-"""Kinds of what is never negative: numbers of elements, and how often something happened."""
+"""Kinds of nonnegative integers: numbers of elements, and counts of events."""
 
 PLACE = np.intp
 """The kind of whole numbers in kernels, which count elements and may be negative on their way."""
 
 NOTHING = type(None)
-"""The kind of what a procedure returns."""
+"""The kind of a procedure's result."""
 
 
 # ── expressions ──────────────────────────────────────────────────────────────────────
@@ -131,7 +131,7 @@ def cast(value: Node, before: Kind, after: Kind) -> Node:
 
 
 def parts(node: Node) -> tuple[Node, ...]:
-    """Return what a node is made of, those of programs included."""
+    """Return the operands of a node, those of programs included."""
     if isinstance(node, Element):
         return (node.index,)
     if isinstance(node, Called):
@@ -288,9 +288,9 @@ class Member:
     start : float or tuple of float
         Its value before the first period; of an array those of all elements.
     axis : str
-        Where it belongs; empty of what all axes share.
+        Its axis; empty if shared by all axes.
     remark : str
-        Its unit, or what it is for.
+        Its unit or purpose.
     role : str
         ``gain``, ``signal``, ``state``, ``table`` (which learns) or ``held``.
     """
@@ -349,7 +349,7 @@ class Function:
 
 @dataclass(frozen=True, eq=False)
 class SelfTest:
-    """Rows of inputs and of what has to come out.
+    """Rows of inputs and expected results.
 
     Attributes
     ----------
@@ -383,11 +383,11 @@ class Program:
     Attributes
     ----------
     arrays, functions, state : dict
-        By key, in the order of their definition: what calls stands after what is called.
+        By key, in order of definition: callees come before callers.
     step : Function or None
         Of a controller: its parameters are the ports; it returns the drives.
     drives : dict of str to Variable
-        Of a controller, by symbol: what a step returns.
+        For a controller, by symbol: the result of a step.
     tests : list of SelfTest
         Its self-test.
     inputs, outputs : list of dict
@@ -426,7 +426,7 @@ class Program:
     def search(
         self, array: str, first: int, count: int, value: Node, *, kind: Kind, reached: bool
     ) -> Search:
-        """Return the search of a value of a kind, counting what it has reached or passed."""
+        """Return the search of a value of a kind, counting the reached or passed elements."""
         begin = 0 if self.pointers else first
         key = f"count {np.dtype(kind)} {reached} {begin}"
         function = self.function(key, _counting(kind, begin, reached=reached))

@@ -93,7 +93,7 @@ class RoutineOptions(NamedTuple):
     q : int or None
         Tables in whole numbers of so many bits; else as the signals are.
     widened : bool
-        Whether rule bases compute in double precision within what is found in that only.
+        Whether rule bases that need double precision compute in it internally.
     """
 
     q: int | None = None
@@ -136,8 +136,8 @@ class Lines(Algebra[Node]):
         self.locals = 0
         self.pending: list[tuple[str, Node, bool]] = []
         self.lasting: list[tuple[str, Node, bool]] = []  # of this axis, for its end
-        self.numbers: dict[str, Node] = {}  # what has to be a number, and what it is made of
-        self.finite: list[Node] = []  # what has to be finite
+        self.numbers: dict[str, Node] = {}  # expressions that must be numbers, with their operands
+        self.finite: list[Node] = []  # expressions that must be finite
         self.states: dict[str, str] = {}  # by the name of a memory
         self.routine_names: dict[tuple[int, str], str] = {}
         self.responsible: dict[str, tuple[tuple[str, ...], str]] = {}
@@ -191,7 +191,7 @@ class Lines(Algebra[Node]):
         if cell.name not in self.states:
             stem = f"{cell.axis}_{cell.of}_{_SUFFIXES.get(cell.what, cell.what)}"
             name = self.state_names.new(stem).removeprefix(f"{identifier(cell.axis)}_")
-            # No language has NaN for what has seen nothing yet: the first period is known.
+            # No language has NaN for an empty memory: the first period is a flag.
             nothing = math.isnan(cell.start)
             start = 0.0 if nothing else cell.start
             self.states[cell.name] = self._variable(
@@ -202,7 +202,7 @@ class Lines(Algebra[Node]):
         return symbol(self.states[cell.name])
 
     def remember(self, cell: Remembered, value: Node) -> Node:
-        """Take a memory down, to be set with what is stored next."""
+        """Schedule a memory for the store of its new value."""
         variable = self.begins(cell)
         assert isinstance(variable, Symbol)
         self.pending.append((variable.name, value, cell.what != "slew"))
@@ -237,7 +237,7 @@ class Lines(Algebra[Node]):
         return dict(signals)
 
     def demand(self, line: Drive, value: Node) -> Node:
-        """Return what is asked of a drive: it has to be a number, which limits may hide."""
+        """Return the demand of a drive: it must be a number, which limits may hide."""
         limited = line.within is not None or line.slew is not None
         return self._number(value) if limited else value
 
@@ -315,7 +315,7 @@ class Lines(Algebra[Node]):
         return nearest
 
     def expression(self, root: Node, values: Mapping[str, Node]) -> Node:
-        """Return an expression with its arguments, and what follows from them."""
+        """Return an expression with its arguments, and its consequences."""
         numbers = {name: x.value for name, x in values.items() if isinstance(x, Constant)}
         others = {name: x for name, x in values.items() if not isinstance(x, Constant)}
         root = replace(without_endless_limits(specialise(root, numbers)), others)
@@ -350,7 +350,7 @@ class Lines(Algebra[Node]):
         self.lasting, self.numbers, self.finite = [], {}, []
 
     def ran(self, guard: AxisGuard, found: Found[Node]) -> None:
-        """End an axis: what lasts is set where its period counts; a sum is rounded once."""
+        """End an axis: states are set where its period counts; a sum is rounded once."""
         sent: dict[str, float | None] = {}
         drives: list[Set] = []
         for port, value in found.drives.items():
@@ -368,7 +368,7 @@ class Lines(Algebra[Node]):
         self.result.blocks.append(Block(guarded, steps, tuple(lasting)))
 
     def _memory(self) -> Iterator[Set]:
-        """Yield the steps that set what lasts, in an order in which none reads what is new."""
+        """Yield the steps that set states, in an order in which none reads a new one."""
         set_before: set[str] = set()
         # A row of values that are handed on is set from its end.
         for state, value, _ in reversed(self.lasting):
@@ -385,7 +385,7 @@ class Lines(Algebra[Node]):
         return self._set(name, x)
 
     def _not_implied(self) -> tuple[str, ...]:
-        """Return what has to be seen to be a number, beside what is seen to be finite."""
+        """Return the expressions to check for NaN, beside those checked to be finite."""
         left: list[str] = []
         implied = {x.name for x in self.finite if isinstance(x, Symbol)}
         for name, value in reversed(self.numbers.items()):
@@ -599,7 +599,7 @@ class Lines(Algebra[Node]):
         return spans[-1] if spans else NOWHERE
 
     def _judge(self, name: str, table: LookupTable) -> str:
-        """Return what a performance table is called; axes share one."""
+        """Return the name of a performance table; axes share one."""
         for judge, other in self.result.judges.items():
             if np.array_equal(other.values, table.values):
                 return judge

@@ -268,7 +268,7 @@ def write_export(
 
 
 def _suffix_and_prefix(path: Path, name: str | None) -> tuple[str, str]:
-    """Return the suffix of a path and what begins the identifiers; refuse what cannot be."""
+    """Return the suffix of a path and the prefix of identifiers; refuse unusable ones."""
     suffix = path.suffix.lower()
     if suffix not in _FORMS:
         raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(_FORMS))
@@ -297,7 +297,7 @@ _Given = tuple[Routine, ...] | ControllerProgram
 
 
 class _To(NamedTuple):
-    """Where an export goes: its path, what begins identifiers, and the wishes for a unit."""
+    """The target of an export: path, prefix of identifiers, and options of a unit."""
 
     path: Path
     prefix: str
