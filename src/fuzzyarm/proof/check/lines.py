@@ -90,7 +90,7 @@ class LinearSignals:
     # --- arithmetic ---
 
     def apply(self, operation: str, arguments: list[LinearSignal]) -> Any:
-        """Return an operation, linear in what moves; of a comparison a bool."""
+        """Return an operation, linear in the deviations; a comparison gives a bool."""
         if not any(x.parts for x in arguments) and operation not in LINEAR:
             line = applied(operation, [Slope(x.rest, {}) for x in arguments])
             return line if isinstance(line, bool) else number_line(line.value)
@@ -159,7 +159,7 @@ class LinearSignals:
     # --- limits ---
 
     def limit(self, x: LinearSignal, low: float, high: float) -> LinearSignal:
-        """Return ``min(max(x, low), high)``, or what is left of it at least."""
+        """Return ``min(max(x, low), high)``, or a lower bound of its share."""
         lowest = None if math.isinf(low) else exact(low)
         highest = None if math.isinf(high) else exact(high)
         above = lowest is None or (x.low is not None and lowest <= x.low)
@@ -184,7 +184,7 @@ class LinearSignals:
     def _share(
         self, x: LinearSignal, lowest: fmpq | None, highest: fmpq | None, words: str
     ) -> Number:
-        """Return what a limit leaves of a deviation from rest at least."""
+        """Return the least share of a deviation from rest that a limit passes."""
         rooms, share = [], arb(1)
         for end, most, at, sign in (
             (lowest, x.low, least(x.rest), -1), (highest, x.high, greatest(x.rest), 1),
@@ -219,7 +219,7 @@ class LinearSignals:
     def rules(
         self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
     ) -> LinearSignal:
-        """Return the conclusion of a rule base, by what is claimed of it."""
+        """Return the conclusion of a rule base, from the claimed bounds."""
         surface = self.surfaces(sheet, output)
         rest = {name: (_exactly(least(x.rest)), _exactly(greatest(x.rest)))
                 for name, x in inputs.items()}  # fmt: skip
@@ -252,7 +252,7 @@ class LinearSignals:
         return LinearSignal(surface.value(rest), combined(terms), *between_ends)
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
-        """Return the value of a table, by what is claimed of it."""
+        """Return the value of a table, from the claimed bounds."""
         if sheet.default_mode != "linear":
             raise LoopProofError("a table with steps jumps")
         claim = self._claim() if any(x.parts for x in inputs.values()) else None
@@ -352,7 +352,7 @@ class Unchecked(LinearSignals):
         return LinearSignal(total, combined((x.parts, k) for x, k in weighed))
 
     def limit(self, x: LinearSignal, low: float, high: float) -> LinearSignal:
-        """Note what is limited."""
+        """Record a limited expression."""
         self.record.append(x)
         return x
 

@@ -264,7 +264,7 @@ class _Derivation:
             near = np.linalg.inv([[float(middle(x)) for x in row] for row in jacobian])
         except np.linalg.LinAlgError:
             raise LoopProofError("where it rests is not one point") from None
-        # Any matrix will do, as long as what follows is rigorous.
+        # Any matrix will do, as long as the conclusions are rigorous.
         y = [[exact(float(x)) for x in row] for row in near]
         shift, turned = product(y, f), product(y, jacobian)
         for i, name in enumerate(names):
@@ -440,7 +440,7 @@ class _Derivation:
     def _beginning(
         self, z: Mapping[str, LinearSignal]
     ) -> tuple[dict[str, tuple[Number, Parts]], dict[str, Number]]:
-        """Return what memory is as the loop begins, by states of the plant."""
+        """Return the initial memory of the loop as a function of the plant's states."""
         names = dict(zip(self.memory, self.names[len(self.problem.states) :], strict=True))
         begin = {
             name: exact(self.walk.states[key])

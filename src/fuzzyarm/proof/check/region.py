@@ -137,7 +137,7 @@ def quadratic_at(p: Rows, z: Sequence[Number]) -> Number:
 
 
 def faded(rate: Fraction, periods: int) -> Number:
-    """Return by what V is multiplied at most in some periods."""
+    """Return an upper bound of the factor on V over some periods."""
     return greatest(arb(ONE - exact(rate)) ** periods)
 
 
@@ -238,7 +238,7 @@ def reach_of(loop: CheckedLoop, level: Number, p: Rows) -> dict[str, float]:
 
 
 def _farthest(p: Rows, inverse: NDArray[np.float64], row: Sequence[Number], level: Number) -> float:
-    """Return what |g z| cannot exceed where V is at most a level; infinite: that is not known."""
+    """Return an upper bound of |g z| where V is at most a level; infinite if unknown."""
     if level == 0 or all(x == 0 for x in row):
         return 0.0
     g = np.array(_floats(row))
@@ -361,7 +361,7 @@ def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number
 
 
 def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
-    """Return what a region says, as facts of a verdict."""
+    """Return the contents of a region as facts of a verdict."""
     rest = {name: float(loop.rest[name]) for name in loop.names}
     return {
         "region": {

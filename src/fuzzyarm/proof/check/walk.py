@@ -29,7 +29,7 @@ __all__ = ["NumberSystem", "ProgramWalk"]
 
 
 class NumberSystem(Protocol):
-    """A kind of number: what operations are, and what rule bases and tables say."""
+    """A kind of number: meaning of operations, rule bases and tables."""
 
     def number(self, value: float) -> Any:
         """Return a number of the program: the double that it is."""
@@ -41,10 +41,10 @@ class NumberSystem(Protocol):
         """Return ``min(max(x, low), high)``."""
 
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Any]) -> Any:
-        """Return what a rule base concludes."""
+        """Return the conclusion of a rule base."""
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Any]) -> Any:
-        """Return what a table says."""
+        """Return the value of a table."""
 
 
 class ProgramWalk:
@@ -192,21 +192,21 @@ class ProgramWalk:
         if cell in self._cell_names:
             self._after[self._cell_names[cell]] = value
 
-    def _carry_out(self, what: int, into: int, a: int, b: int, c: int) -> None:
+    def _carry_out(self, operator: int, into: int, a: int, b: int, c: int) -> None:
         """Carry out one instruction; a, b and c are cells, or where a list begins."""
-        if what in _ARITHMETIC:
+        if operator in _ARITHMETIC:
             value = self._load(a)
-            for operation, cell in zip(_ARITHMETIC[what], (b, c), strict=False):
+            for operation, cell in zip(_ARITHMETIC[operator], (b, c), strict=False):
                 value = self._numbers.apply(operation, [value, self._load(cell)])
-        elif what == code.LIMIT:
+        elif operator == code.LIMIT:
             value = self._limited(self._load(a), b)
-        elif what == code.SLEW:
+        elif operator == code.SLEW:
             value = self._slewed(self._load(a), b)
-        elif what == code.UPDATE:
+        elif operator == code.UPDATE:
             value = self._updated(a, b, c)
-        elif what == code.LOOK_UP:
+        elif operator == code.LOOK_UP:
             value = self._looked_up(a, b)
-        elif what == code.INFER:
+        elif operator == code.INFER:
             self._infer(a)
             return
         else:
@@ -395,7 +395,7 @@ _ARITHMETIC: dict[int, tuple[str, ...]] = {
     code.MULTIPLY_DIVIDE: ("multiply", "divide"),
     code.SUBTRACT_MULTIPLY: ("subtract", "multiply"),
 }
-"""Of an instruction, what is done to its first cell with the others in turn."""
+"""Operations on the first cell, with each of the others in turn, by instruction."""
 
 
 def _instructions(program: ControllerCode) -> Iterator[list[int]]:
@@ -416,7 +416,9 @@ def _names_of_states(program: ControllerCode, wiring: Wiring) -> dict[int, str]:
     signals |= {cell: key for key, cell in wiring.drives.items()}
     instructions = list(_instructions(program))
     limits = {
-        b + code.OVER: k for k, (what, _, _, b, _) in enumerate(instructions) if what == code.LIMIT
+        b + code.OVER: k
+        for k, (operator, _, _, b, _) in enumerate(instructions)
+        if operator == code.LIMIT
     }
     names, found = Names(), dict[int, str]()
 
@@ -426,10 +428,10 @@ def _names_of_states(program: ControllerCode, wiring: Wiring) -> dict[int, str]:
             stem = names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
             found[cell] = f"state:{axis}:{stem}"
 
-    for at, (what, _, a, b, _) in enumerate(instructions):
-        if what == code.SLEW:
+    for at, (operator, _, a, b, _) in enumerate(instructions):
+        if operator == code.SLEW:
             name(b + code.LAST_DRIVE, "before_slew", at)
-        elif what == code.UPDATE:
+        elif operator == code.UPDATE:
             for cell, state in enumerate(program.updates[b].states, b + 1):
                 name(cell, state.name, at)
             for cell in _fetched(program, a).values():
@@ -439,7 +441,7 @@ def _names_of_states(program: ControllerCode, wiring: Wiring) -> dict[int, str]:
 
 
 def _limits(node: Apply) -> tuple[Node, float, float] | None:
-    """Return what is limited, and by which numbers, of ``min(max(x, low), high)``."""
+    """Return the limited cell and the limits of ``min(max(x, low), high)``."""
     if node.operation != "minimum":
         return None
     inner, high = node.arguments

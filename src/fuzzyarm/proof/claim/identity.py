@@ -98,11 +98,11 @@ def _own_start(plant: Plant) -> tuple[float, ...] | None:
     return first if first == second else None
 
 
-# ── what differs from what is named ──────────────────────────────────────────────────
+# ── differences from the named controller and plant ──────────────────────────────────
 
 
 def controller_changes(text: ControllerText) -> Iterator[str]:
-    """Say in what a controller differs from that in its file."""
+    """Return the differences of a controller from that in its file."""
     if not text.path:
         return
     try:
@@ -127,7 +127,7 @@ def gain_words(gain: GainModel) -> str:
 
 
 def plant_changes(claim: LoopClaim, plant: Plant) -> Iterator[str]:
-    """Say in what a plant differs from that which a claim names."""
+    """Return the differences of a plant from that named in a claim."""
     named = _named(claim.plant) if claim.plant in PLANTS else named_again(claim.plant, plant)
     if named is None:
         yield f"a plant given in Python, {_digest(_plant_parts(plant))[:12]}"
@@ -139,8 +139,8 @@ def plant_changes(claim: LoopClaim, plant: Plant) -> Iterator[str]:
     for name, value in _parameters(after).items():
         if name not in stated and value != _parameters(before).get(name):
             yield f"{name_text(name)} = {number_text(value)}"
-    for kind, what in (("inputs", "actuator"), ("outputs", "sensor")):
-        yield from _port_changes(what, getattr(named, kind), getattr(plant, kind))
+    for kind, kind_of_port in (("inputs", "actuator"), ("outputs", "sensor")):
+        yield from _port_changes(kind_of_port, getattr(named, kind), getattr(plant, kind))
     begun = {name for name, _, _ in claim.start}
     if not begun >= set(plant.states) and before["start"] != after["start"]:
         start = _own_start(plant)
@@ -161,14 +161,14 @@ def _parameters(parts: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _port_changes(
-    what: str, before: Mapping[str, Port], after: Mapping[str, Port]
+    kind: str, before: Mapping[str, Port], after: Mapping[str, Port]
 ) -> Iterator[str]:
     for name, port in after.items():
         if port != before.get(name):
-            yield f"{what} {name_text(name)}: {_port_words(port)}"
+            yield f"{kind} {name_text(name)}: {_port_words(port)}"
     for name in before:
         if name not in after:
-            yield f"no {what} {name_text(name)}"
+            yield f"no {kind} {name_text(name)}"
 
 
 def _port_words(port: Port) -> str:

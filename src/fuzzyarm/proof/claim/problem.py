@@ -304,19 +304,19 @@ def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], s
 
 
 def _drawn_from(generator: np.random.Generator) -> tuple[str, int]:
-    """Return what a generator of numbers changes when it is used."""
+    """Return the state that a random generator changes on use."""
     bits: Any = generator.bit_generator
     return repr(bits.state), bits.seed_seq.n_children_spawned
 
 
 def _chosen(
-    what: str, ranges: Mapping[str, tuple[float, float]] | None, names: Mapping[str, object]
+    kind: str, ranges: Mapping[str, tuple[float, float]] | None, names: Mapping[str, object]
 ) -> dict[str, Interval]:
     intervals = {}
     for name, (low, high) in (ranges or {}).items():
         if name not in names:
             hint = near_hint(name, list(names))[0] or f"there are {', '.join(names)}"
-            raise ClaimError(f"the plant has no {what} '{name}'", hint=hint)
+            raise ClaimError(f"the plant has no {kind} '{name}'", hint=hint)
         if not (math.isfinite(low) and math.isfinite(high) and low <= high):
             raise ClaimError(f"{name} in {low:g} .. {high:g} is not an interval")
         intervals[name] = Interval(float(low), float(high))

@@ -79,7 +79,7 @@ def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
 
 
 def _hint(text: str) -> str:
-    """Return what the first word of a claim probably means."""
+    """Return the likely meaning of the first word of a claim."""
     first = text.split(maxsplit=1)[0] if text.split() else ""
     return "" if first in OPENINGS else near_hint(first, OPENINGS)[0]
 

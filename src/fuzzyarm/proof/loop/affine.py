@@ -28,7 +28,7 @@ ZERO, ONE = Fraction(0), Fraction(1)
 
 INFINITY, NO_VALUE = "infinity", "a division by 0"
 VALUELESS = (INFINITY, NO_VALUE)
-"""Variables of what is not a number: it may stand in a comparison, or in a branch not taken."""
+"""Variables of a NaN: it may be in a comparison, or in a branch not taken."""
 
 
 class NotAffineError(LoopProofError):
@@ -70,7 +70,7 @@ class Affine:
             ends = self.high, self.low
         low, high = (None if end is None else end * by for end in ends)
         parts = {name: weight * by for name, weight in self.parts.items()}
-        if not by:  # what has no value has none times 0
+        if not by:  # NaN times 0 is NaN
             parts = {name: ONE for name in self.parts if name in VALUELESS}
         return Affine(self.constant * by, parts, *((ZERO, ZERO) if not by else (low, high)))
 
@@ -300,11 +300,11 @@ class AffineAlgebra(LoopAlgebra[Affine]):
     # --- rule bases, tables, expressions ---
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, Affine]) -> list[Affine]:
-        """Return what a rule base concludes."""
+        """Return the conclusion of a rule base."""
         return self._rules(self, sheet, inputs)
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Affine]) -> Affine:
-        """Return what a table says."""
+        """Return the value of a table."""
         return self._table(self, sheet, inputs)
 
     def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:

@@ -106,7 +106,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return self.fresh(smaller(larger(forms, last - size), last + size))
 
     def expression(self, root: Node, values: Mapping[str, Number]) -> Number:
-        """Return what an expression is for some values of its symbols."""
+        """Return the value of an expression for some values of its symbols."""
         numbers = {name: x for name, x in values.items() if not isinstance(x, Forms)}
         forms_by_name = {name: x for name, x in values.items() if isinstance(x, Forms)}
         reading = _readable(root, tuple(sorted(numbers.items())))
@@ -119,7 +119,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return self.fresh(self.forms(x).within(size))
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
-        """Return what a rule base concludes, output by output."""
+        """Return the conclusions of a rule base, output by output."""
         results: list[Number] = []
         for output in sheet.outputs:
             planes: RulePlanes = self.planes(sheet, output.name)
@@ -132,7 +132,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return results
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Number]) -> Number:
-        """Return what a lookup table says."""
+        """Return the value of a lookup table."""
         return self._asked(
             TablePlanes(sheet).band, [self.forms(inputs[name]) for name in sheet.names]
         )

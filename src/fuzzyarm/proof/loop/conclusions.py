@@ -33,7 +33,7 @@ Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
 
 
 class Conclusions:
-    """The rule bases and tables of one loop; what has been proved of them is kept.
+    """The rule bases and tables of one loop, with a cache of proved bounds.
 
     Where the rest is not exact (`is_exact`), inputs are only near 0: a sector is none.
     """
@@ -101,7 +101,7 @@ class Conclusions:
         return universes
 
     def concluding(self, choice: Assumptions) -> Rules:
-        """Return what stands for rule bases in a form."""
+        """Return the bounds that replace rule bases in a form."""
 
         def rules(
             algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
@@ -250,7 +250,7 @@ class Conclusions:
         return number(float(sheet.lookup(*at)))
 
     def tabled(self, choice: Assumptions) -> Tables:
-        """Return what stands for tables in a form."""
+        """Return the bounds that replace tables in a form."""
 
         def table(
             algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]

@@ -74,7 +74,7 @@ class Cover:
     def holds(self, box: Intervals) -> NDArray[np.bool_]:
         """Tell which boxes are wholly in proved cells; of shape (states, boxes)."""
         if self.is_new:
-            # Parts of a cell are disjoint: halves of halves, far more than what shares are rounded.
+            # Parts of a cell are disjoint: repeated halves, far larger than the rounding of shares.
             whole = (self.filled >= 1.0 - 2.0**-20).astype(np.int64)
             for axis in range(whole.ndim):
                 whole = np.cumsum(whole, axis=axis)

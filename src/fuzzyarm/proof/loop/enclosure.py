@@ -138,7 +138,7 @@ class Intervals:
         return Intervals(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
 
     def meet(self, other: Intervals) -> Intervals:
-        """Return what both hold; EnclosureError where that is nothing."""
+        """Return the intersection; EnclosureError if it is empty."""
         return Intervals.between(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
 
     def __neg__(self) -> Intervals:
@@ -185,7 +185,7 @@ def _intervals(value: Intervals | float) -> Intervals:
 
 
 def _widened(values: Vector, error: Vector | float) -> Intervals:
-    """Return what is no further from some floats than an error."""
+    """Return the intervals of a given radius around floats."""
     return outward(values - error, values + error)
 
 
@@ -293,7 +293,7 @@ def _wave(x: Intervals, at_low: Vector, at_high: Vector, top: float) -> Interval
     low = _down(np.minimum(at_low, at_high) - OF_SINE)
     high = _up(np.maximum(at_low, at_high) + OF_SINE)
     if x.low is not x.high:
-        # A turning point at the very edge counts: what is sought is a little wider.
+        # A turning point at the very edge counts: the search interval is slightly widened.
         slack = 1e-9 * (1.0 + x.size)
         for turn, is_top in ((top, True), (top + math.pi, False)):
             nearest = np.ceil((x.low - slack - turn) / (2.0 * math.pi))
@@ -327,7 +327,7 @@ def tangent(x: Intervals) -> Intervals:
     return Intervals(ends[0].low, ends[1].high)
 
 
-# ── what follows from these ──────────────────────────────────────────────────────────
+# ── derived functions ────────────────────────────────────────────────────────────────
 
 
 def _rising(at: Callable[[Vector], Intervals], x: Intervals) -> Intervals:
@@ -433,7 +433,7 @@ def half_pi() -> Intervals:
 
 
 def power(x: Intervals, exponent: float) -> Intervals:
-    """Return powers with one exponent: whole, or of what is positive."""
+    """Return powers with one exponent: integer, or of positive numbers."""
     if exponent == 0.0:
         return Intervals.at(np.ones_like(x.low))
     if exponent < 0.0:

@@ -59,7 +59,7 @@ __all__ = ["CornerError", "Flow", "Step"]
 
 
 class CornerError(EnclosureError):
-    """A corner of an expression lies within what is to be developed into a series."""
+    """A corner of an expression is inside the domain of a series expansion."""
 
 
 # ── series ───────────────────────────────────────────────────────────────────────────
@@ -156,8 +156,8 @@ class _Series:
         self.buffer(node).put(k, as_forms(value, self.shape))
 
     def steps(self, x: Node, y: _Buffer, k: int) -> Forms:
-        """Return (1/k) Σ j xⱼ yₖ₋ⱼ, the coefficient of what has the derivative y x'."""
-        weights = np.arange(1, k + 1) / k  # within two roundings, as what is scaled allows for
+        """Return (1/k) Σ j xⱼ yₖ₋ⱼ: Taylor coefficient k of a function with the derivative y x'."""
+        weights = np.arange(1, k + 1) / k  # within two roundings, which `scaled` allows for
         return dot(self.buffer(x)[1 : k + 1].scaled(weights[:, None]), y[k - 1 :: -1][:k])
 
     def choice(self, node: Node, first: Node, second: Node, k: int) -> Any:
@@ -481,7 +481,7 @@ class Flow:
             series.advance(k)
             for i, root in enumerate(self.rates):
                 rate = as_forms(series.coefficient(root, k), (batch,))
-                # 1/(k+1) is rounded once more; what is scaled allows for two roundings.
+                # 1/(k+1) is rounded once more; `scaled` allows for two roundings.
                 series.buffer(_state(i)).put(k + 1, rate.scaled(1.0 / (k + 1)))
         return series
 

@@ -139,7 +139,7 @@ class FollowedBoxes(NamedTuple):
     undone: NDArray[np.bool_]
 
     def part(self, which: NDArray[np.bool_]) -> FollowedBoxes:
-        """Return what came of some of the boxes."""
+        """Return the outcomes of some of the boxes."""
         return self._replace(
             between=self.between[:, :, which],
             at=self.at[:, :, which],
@@ -258,7 +258,7 @@ class Follower:
 
         Unless the `whole` course is wanted, it ends where no box is left that all demands hold of.
         """
-        with np.errstate(all="ignore"):  # what is not finite is refused in each period
+        with np.errstate(all="ignore"):  # non-finite boxes are refused in each period
             return self._follow(boxes, whole=whole)
 
     def _follow(self, boxes: Sequence[Box], *, whole: bool) -> FollowedBoxes:
@@ -372,7 +372,7 @@ class Follower:
         return undone
 
     def _demand_bounded(self, at: Intervals) -> None:
-        """Give up where a run may have diverged, as the plant says what that is."""
+        """Give up where a run may have diverged by the plant's own criterion."""
         count, limits = len(self.limits), self.limits[:, None]
         lost = ((at.low[:count] > limits) | (at.high[:count] < -limits)).any(axis=1)
         if lost.any():

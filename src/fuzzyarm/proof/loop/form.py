@@ -64,7 +64,7 @@ class Form:
     Attributes
     ----------
     names : tuple of str
-        Of z: states of the plant, then what controller, sensors and actuators remember.
+        Of z: states of the plant, then memory of controller, sensors and actuators.
     rest : dict of str to Fraction
         Of each of them.
     a, b : matrix of Fraction, shapes (n, n) and (n, m)
@@ -80,7 +80,7 @@ class Form:
     outputs : dict of (str, str) to Affine
         Outputs and inputs of the plant, by axis and port.
     seeds : dict of str to Affine
-        What memory that starts with what it sees is, by states of the plant.
+        Initial memory as a function of the plant's states.
     period : float
         s; 0 for a loop in continuous time.
     evidence : Evidence or None

@@ -36,7 +36,7 @@ DOUBT = 1e-9
 
 
 class FormMaker:
-    """Makes forms of one loop; what has been proved of its rule bases is kept.
+    """Builds forms of one loop, with a cache of proved bounds of its rule bases.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class FormMaker:
 
     @property
     def begin(self) -> dict[str, float]:
-        """What is remembered before the first period; NaN for what begins as it first sees."""
+        """The memory before the first period; NaN if it starts as its first reading."""
         return dict(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
 
     # --- rest ---
@@ -247,7 +247,7 @@ class FormMaker:
                 algebra.require(outputs[address], -room, room, f"the bound of '{label}'")
 
     def _evidence(self, choice: Assumptions, algebra: AffineAlgebra) -> Evidence:
-        """Return what a certificate says of this form."""
+        """Return the certificate's description of this form."""
         doubt = {
             name: ZERO if self.is_exact else Fraction(DOUBT) * max(abs(x), ONE)
             for name, x in self.rest.items()
@@ -305,7 +305,7 @@ class FormMaker:
         return ranges
 
     def _seeds(self, choice: Assumptions) -> dict[str, Affine]:
-        """Return memory that starts as what it first sees, by states of the plant."""
+        """Return memory that starts as its first reading, as a function of the plant's states."""
         algebra = self._algebra(choice, is_search=True)
         states = {name: variable(name, self.rest[name]) for name in self.problem.states}
         period = LoopPeriod(self.problem, algebra)
@@ -331,7 +331,7 @@ class FormMaker:
 
 
 def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str]:
-    """Return what memory is called in the program: only a guess, which the checker proves."""
+    """Return the program's name of a memory: a guess, which the checker proves."""
     states = [
         name
         for name in ProgramWalk(problem).states
@@ -341,12 +341,12 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
     program = iter(states)
     names = {}
     for name in memory:
-        label, _, what = name.partition(" ")
-        if what.startswith("late "):
-            names[name] = f"late:{label}:{what.removeprefix('late ')}"
-        elif what in ("sensed before", "sensed slope"):
-            names[name] = f"{what.removeprefix('sensed ')}:{label}"
-        elif what == "driven":
+        label, _, kind = name.partition(" ")
+        if kind.startswith("late "):
+            names[name] = f"late:{label}:{kind.removeprefix('late ')}"
+        elif kind in ("sensed before", "sensed slope"):
+            names[name] = f"{kind.removeprefix('sensed ')}:{label}"
+        elif kind == "driven":
             names[name] = f"driven:{label}"
         else:
             names[name] = next(program, "")

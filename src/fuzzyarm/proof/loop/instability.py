@@ -33,7 +33,7 @@ SHARES = (1.0 - 2.0**-20, 0.9, 0.7, 0.5, 0.3, 0.1, 0.03)
 
 
 def growth(loop: System, stop: Stop | None = None) -> float:
-    """Return by what some deviation from rest grows in each period at least; 0: not proved to grow.
+    """Return the least growth per period of some deviation from rest; 0: no proof of growth.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ def candidate(
     within : sequence of (row of Fraction, Fraction)
         Further rows g and limits: the region has to keep |g z| below them.
     rate : float
-        By what share V has to fall in each period.
+        Share by which V must fall in each period.
     rounds : int
         How often the volume is linearised.
     stop : Stop, optional
@@ -90,7 +90,7 @@ def candidate(
     rows += _box_rows(step, rows)
     try:
         with warnings.catch_warnings():
-            # What SciPy finds ill-conditioned is no matter: the checker judges what comes of it.
+            # Ill-conditioning reported by SciPy does not matter: the checker judges the result.
             warnings.simplefilter("ignore")
             first = _whitening(a, rows, continuous=form.period == 0.0)
     except np.linalg.LinAlgError:
@@ -176,7 +176,7 @@ def declining(
 
 
 def _in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
-    """Return answers in units of what they answer, so that multipliers are of one size."""
+    """Return responses in units of their quantities, so that multipliers are of one size."""
     units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
     c = c / units[:, None]
     c[:, n:] = c[:, n:] * units
@@ -188,7 +188,7 @@ def _floats(matrix: Sequence[Sequence[Any]]) -> Vector:
 
 
 FAR = 10.0
-"""How far states may be beyond what the bounds of the form allow of each of them alone."""
+"""Factor beyond the bounds that the form allows of each state alone."""
 
 
 def _box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
@@ -267,7 +267,7 @@ def _falling(
         answer[n + k] = 1.0
         parts.append(np.outer(answer, answer) - np.outer(c[k], c[k]))
     values = np.array(parts)
-    # Small steps change V little: the scale of what it falls by is taken out.
+    # Small steps change V little: the scale of the decrease is factored out.
     pace = np.linalg.norm(move - (0.0 if continuous else stay))
     return Inequality(np.zeros((1, n + m, n + m)), values[:, None] / max(pace, 1e-9))
 
@@ -317,7 +317,7 @@ def _multipliers(count: int, m: int) -> Inequality:
 
 
 def _rationals(p: Vector) -> Matrix:
-    """Return a matrix as rationals, a little larger than it is, for what rounding takes away."""
+    """Return a matrix as rationals, slightly enlarged to make up for rounding."""
     p = 0.5 * (p + p.T) * (1.0 + 1e-9)
     scale = 1.0 / np.sqrt(np.diag(p))
     return tuple(
@@ -327,7 +327,7 @@ def _rationals(p: Vector) -> Matrix:
 
 
 def _short(x: float, scale: float = 0.0) -> Fraction:
-    """Return a number to some 13 digits of what counts beside it."""
+    """Return a number to some 13 digits of the relevant scale."""
     size = scale or 1.0 / max(abs(x), 1e-300)
     digits = 2 ** max(0, int(np.ceil(np.log2(max(size, 1e-300)))) + 44)
     return Fraction(round(Fraction(x) * digits), digits)

@@ -45,8 +45,8 @@ class LoopPeriod(Generic[T]):
     Attributes
     ----------
     memory : dict of str to float
-        What sensors, controller and actuators remember, and its value before the first period; NaN
-        where the first period takes what it sees.
+        Memory of sensors, controller and actuators, with its value before the first period; NaN
+        if it starts as the first reading.
     """
 
     def __init__(self, problem: LoopProblem, algebra: LoopAlgebra[T]) -> None:
@@ -67,7 +67,7 @@ class LoopPeriod(Generic[T]):
                 self.memory[f"{axis}.{name} driven"] = actuator.idle
 
     def _demand_provable(self, index: int, line: Line) -> None:
-        """Refuse what no proof covers, by name."""
+        """Refuse features that no proof covers, by name."""
         if isinstance(line, Zoom):
             words = f"'zoom {', '.join(line.signals)}' switches"
             raise LoopProofError(f"{words}: nothing is proved about it")
@@ -153,7 +153,7 @@ class LoopPeriod(Generic[T]):
     def _sensor(
         self, address: Address, sensor: Sensor, value: T, measurements: Mapping[Address, T]
     ) -> T:
-        """Return what a sensor makes of an output: rate, steps, delay, in this order."""
+        """Return a sensor's processing of an output: rate, resolution, delay, in this order."""
         algebra, period = self.algebra, self.problem.period
         label = ".".join(address)
         if sensor.difference is not None:
@@ -200,7 +200,7 @@ class LoopPeriod(Generic[T]):
         return value
 
     def _state(self, name: str) -> T:
-        """Return what was remembered, or its first value."""
+        """Return the previous value, or the first one."""
         if name in self._before:
             return self._before[name]
         begin = self.memory[name]

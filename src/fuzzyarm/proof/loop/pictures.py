@@ -156,7 +156,7 @@ def _at(rest: Vector, first: int, second: int, values: Vector) -> Vector:
 
 
 def _window(problem: LoopProblem, names: tuple[str, str], outline: Vector) -> Vector:
-    """Return half of what the picture shows of each state: the sensors' range, not too far."""
+    """Return half of the picture's width for each state: the sensors' range, not too far."""
     far = np.abs(outline).max(axis=0)
     ports = {name: port for (_, name), port in problem.site.interface.outputs.items()}
     window = []

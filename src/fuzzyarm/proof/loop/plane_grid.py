@@ -42,7 +42,7 @@ ROUNDS = 3
 """Times that weights are drawn towards the largest distances."""
 
 OFF = 2.0**-42
-"""Of the sizes of what is added: 2,000 roundings, more than a band takes."""
+"""Share of the added magnitudes: 2,000 roundings, more than a band takes."""
 
 
 class Bands(NamedTuple):

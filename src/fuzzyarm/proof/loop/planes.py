@@ -53,7 +53,7 @@ MOST = 3000
 """Pieces that one question may have."""
 
 SHARE = 0.1
-"""Of the width of a band: what one more halving has to promise."""
+"""Share of the width of a band: the gain that one more halving must promise."""
 
 OFF = 2.0**-44
 """Of the largest coefficient of a piece: 500 roundings, more than cutting and halving it take."""
@@ -145,7 +145,7 @@ class RulePlanes:
 
     @cached_property
     def prover(self) -> Prover:
-        """Of the output; it remembers what it has cut."""
+        """Bands of the output, with a cache of cut boxes."""
         return Prover(self.rulebase, self.output)
 
     @property
@@ -169,7 +169,7 @@ class RulePlanes:
     # --- pieces, and where there is a value ---
 
     def _within_ranges(self, low: Vector, high: Vector) -> tuple[Vector, Vector]:
-        """Return what of a box inputs can be: those that are taken as they are, all of it."""
+        """Return the part of a box that inputs can reach: all of it for inputs without a clamp."""
         ends = [
             (variable.low, variable.high) if variable.outside != "extend" else (-np.inf, np.inf)
             for variable in self.prover.inputs
@@ -599,7 +599,7 @@ class TablePlanes:
         return PlaneBand(slopes, float(gaps.min()) - more, float(gaps.max()) + more)
 
     def _value(self, parts: Any, ends: Any) -> float:
-        """Return what the table says at a corner of a cell, seen from within the cell."""
+        """Return the table's value at a corner of a cell, from within the cell."""
         total = 0.0
         for nodes in product((0, 1), repeat=len(parts)):
             share = math.prod(

@@ -179,7 +179,7 @@ class Pool:
             Told of those that leave; it may have made others.
         """
         swarm: _Swarm | None = None
-        with np.errstate(all="ignore"):  # what is not finite is refused in each period
+        with np.errstate(all="ignore"):  # non-finite boxes are refused in each period
             while not self.stop.now:
                 here = 0 if swarm is None else len(swarm.boxes)
                 if here <= SIDE_BY_SIDE - AT_LEAST:
@@ -218,7 +218,7 @@ class Pool:
         return self._advanced(swarm, first=True)
 
     def _advanced(self, swarm: _Swarm, *, first: bool) -> tuple[_Swarm, list[Fate]]:
-        """Return boxes a period later, and what became of those that leave."""
+        """Return boxes a period later, and the outcomes of those that leave."""
         follower = self.follower
         batch = len(swarm.boxes)
         algebra, control = self._control(batch)

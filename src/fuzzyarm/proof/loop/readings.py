@@ -46,7 +46,7 @@ class UnenclosedError(FuzzyarmError, ValueError):
     """An expression has an operation of which nothing is enclosed; the message names it."""
 
 
-# ── what is read ─────────────────────────────────────────────────────────────────────
+# ── readable operations ──────────────────────────────────────────────────────────────
 
 
 def readable(root: Node) -> Node:
@@ -163,13 +163,13 @@ CONDITIONS: dict[str, Callable[..., Intervals]] = {
 
 
 def choice_of(condition: Intervals, then: Forms, otherwise: Forms) -> Forms:
-    """Return a choice; where the condition is open, what holds both."""
+    """Return a choice; where the condition is open, the hull of both branches."""
     yes, no = condition.low > 0.0, condition.high < 1.0
     if yes.all():
         return then
     if no.all():
         return otherwise
-    # Where it is open: the mean of both branches, give or take half of what they differ by.
+    # An open condition: the mean of both branches ± half of their difference.
     half = (then - otherwise).scaled(0.5)
     middle = then - half
     both = Forms(middle.centre, middle.parts, middle.rest).within(half.bounds.size)
@@ -192,14 +192,14 @@ def _absolute(x: Forms) -> Forms:
 
 
 def _root(x: Forms) -> Forms:
-    """Return the root of what is positive."""
+    """Return the root of a positive form."""
     if np.any(x.bounds.low <= 0.0):
         raise EnclosureError("the root of an interval that contains 0 or negative numbers")
     return x.function("sqrt")
 
 
 def _steep_root(x: Forms) -> Forms:
-    """Return the root of what is known not to be negative, though its form may hold such numbers.
+    """Return the root of a nonnegative quantity, even if its form contains negative numbers.
 
     √x - a x rises from 0 to its top 1/(4a) and falls: the least is at 0 or at the end.
     """

@@ -90,7 +90,7 @@ def rest_in_floats(
 
 
 def _guess(problem: LoopProblem) -> list[float]:
-    """Return where states may be: the set point, or the middle of what a sensor sees."""
+    """Return a guess of the states: the set point, or the middle of the sensor's range."""
     interface = problem.site.interface
     guess = dict.fromkeys(problem.states, 0.0)
     for address, port in interface.outputs.items():

@@ -40,7 +40,7 @@ class Breach(NamedTuple):
 def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = None) -> Breach | None:
     """Return a run that breaks a claim for certain, if one of some runs does.
 
-    A run in floats only says where to look: what counts is its enclosure.
+    A run in floats is a hint only: the proof is its enclosure.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ FINER = (1, 4, 16, 64, 256)
 """Into how many steps a period is cut, one after another, until two runs agree."""
 
 AGREED = 1e-3
-"""By what share of how far a run has been two runs of different steps may differ."""
+"""Greatest difference of two runs of different steps, as a share of the distance travelled."""
 
 
 def converged(run: Callable[[int], Run | None], stop: Stop) -> tuple[Run, Run] | None:
@@ -215,7 +215,7 @@ def converged(run: Callable[[int], Run | None], stop: Stop) -> tuple[Run, Run] |
 
 
 def _agree(one: Run, other: Run) -> bool:
-    """Tell whether two runs are the same except for what a finer integration changes."""
+    """Tell whether two runs agree within the error of the coarser integration."""
     count = min(len(one.time), len(other.time))
     is_lost = one.diverged is not None
     # One that diverges may leave a sample earlier or later.

@@ -141,8 +141,8 @@ class _Search:
         self, choice: Assumptions, form: Form, candidate: CertificateCandidate | None
     ) -> Proposal | str:
         if candidate is None:
-            what = f" with {form.words[0]}" if form.words else ""
-            return f"no quadratic function was found that falls{what}"
+            condition = f" with {form.words[0]}" if form.words else ""
+            return f"no quadratic function was found that falls{condition}"
         rate = Fraction(0)
         if self.claim.begin and not self.continuous:
             rate = rate_of(form.system, candidate.p, candidate.multipliers)
@@ -318,7 +318,7 @@ def form_at_rest(maker: FormMaker) -> Form:
 
 
 def _tiny_box(maker: FormMaker, parts: int) -> dict[str, Fraction]:
-    """Return a box of states next to rest, by what sensors see."""
+    """Return a box of states next to rest, from the sensors' ranges."""
     typical = dict.fromkeys(maker.problem.states, 1.0)
     for (_, name), port in maker.problem.site.interface.outputs.items():
         if name in typical and math.isfinite(port.high - port.low):
@@ -384,7 +384,7 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
 
 def rate_of(form: System, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
     """Return a share by which V falls in each period: a power of 2, then somewhat more."""
-    low, high = 0, 48  # exponents: 1 and what is as good as nothing
+    low, high = 0, 48  # exponents: 1 and practically 0
     while high - low > 1:
         middle = (low + high) // 2
         if falls(form, p, multipliers, Fraction(1, 2**middle)):

@@ -118,7 +118,7 @@ def _starts(
 
 
 def _against(problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach: Vector) -> str:
-    """Return what a run did that no run from the region does."""
+    """Return the event of a run that no run from the region has."""
     if run.diverged is not None:
         return f"diverges after {run.diverged:.4g} s"
     course: Mapping[str, Vector] = _states_of(problem, run)

@@ -49,7 +49,7 @@ ROUNDING = 2.0**-52
 """Twice the largest relative error of a rounding: γₙ ≤ n times this."""
 
 TINY = 1e-300
-"""More than what a thousand results below the smallest normal float are off."""
+"""More than the error of a thousand results below the smallest normal float."""
 
 
 def _total(parts: Vector) -> Vector:
@@ -111,7 +111,7 @@ class Forms:
             raise EnclosureError("an interval without end")
         return cls(centre, np.zeros((0, *centre.shape)), intervals.radius, np.zeros_like(centre))
 
-    # ── what they are ────────────────────────────────────────────────────────────────
+    # ── bounds ───────────────────────────────────────────────────────────────────────────
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -238,7 +238,7 @@ class Forms:
         """Return the same forms with larger rests."""
         return Forms(self.centre, self.parts, (self.rest + more) * ENLARGED, self._spread)
 
-    # ── what is not linear ───────────────────────────────────────────────────────────
+    # ── nonlinear operations ─────────────────────────────────────────────────────────────
 
     def __mul__(self, other: Forms | float) -> Forms:
         if not isinstance(other, Forms):
@@ -252,7 +252,7 @@ class Forms:
             return self * other.function("reciprocal")
         if other == 0.0:
             raise EnclosureError("a division by 0")
-        return self.scaled(1.0 / other)  # two roundings, which is what is counted there
+        return self.scaled(1.0 / other)  # two roundings, as counted there
 
     def function(self, name: str) -> Forms:
         """Return a function of :data:`FUNCTIONS`."""
@@ -277,7 +277,8 @@ class Forms:
         steep = slope.middle
         linear = self.scaled(steep)
         linear = Forms(np.zeros_like(steep), linear.parts, linear.rest, linear._spread)
-        # c is not in what is scaled: of its rounding nothing is counted twice, which does no harm.
+        # c is not in the scaled part: its rounding is counted at most once too often, which is
+        # harmless.
         tilt = (slope.radius * radius) * ENLARGED
         forms = linear.within(tilt) + Forms.of(start + curved)
         plain = Forms.of(whole)

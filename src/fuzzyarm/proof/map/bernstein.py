@@ -49,7 +49,7 @@ __all__ = [
 Index = tuple[int, ...]
 
 MARGIN = 3e-14
-"""Share of the sizes of what was added up that floats are taken to be off by: 130 roundings."""
+"""Relative error of floats, of the added magnitudes: 130 roundings."""
 
 
 # ── the lattice and its matrices ─────────────────────────────────────────────────────
@@ -281,7 +281,7 @@ class Quotients:
         return top
 
     def bound(self) -> float:
-        """Return what N / D cannot exceed, crude; infinite where D may vanish."""
+        """Return a crude upper bound of N / D; infinite where D may vanish."""
         if not self.count:
             return -np.inf
         upper, lower = self.upper.astype(float), self.lower.astype(float)
@@ -402,7 +402,7 @@ def maximise(
     quotients : Quotients
         N and D on simplices.
     tolerance : number
-        How far the bound may be above what is attained.
+        Greatest distance of the bound above an attained value.
     stop : Stop
         When to give up.
     least : number, optional
@@ -455,8 +455,8 @@ def _exceeds(value: float, bound: Any) -> bool:
 def _worth_halving(
     waiting: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
 ) -> tuple[Quotients, Quotients]:
-    """Return the simplices that may exceed what is attained, and those too small to be halved."""
-    # Without a value anywhere only what has none can be discarded.
+    """Return the simplices that may exceed the attained value, and those too small to halve."""
+    # Without a value anywhere, only simplices without a value can be discarded.
     keep = (
         any_of_rows(waiting.lower != 0)
         if best is None

@@ -56,7 +56,7 @@ AT_ONCE = 200_000
 
 
 class _Found(NamedTuple):
-    """What a search over boxes found: bound, what was reached and where."""
+    """The result of a search over boxes: bound, attained value and its point."""
 
     bound: float
     reached: float
@@ -125,7 +125,7 @@ class Boxes:
         return isinstance(no_rule, int | float) and not math.isnan(no_rule)
 
     def over(self, ends: Sequence[tuple[float, float]], stop: Stop) -> Boxes:
-        """Return the same over another box: what is known of sets and terms stays known."""
+        """Return the same over another box; cached bounds of sets and terms stay valid."""
         other = copy(self)
         other.ends, other.stop = ends, stop
         other._chained = {name: boxes.over(ends, stop) for name, boxes in self._chained.items()}
@@ -148,7 +148,7 @@ class Boxes:
         return search.complete, search.boxes
 
     def table(self, table: Any, mode: str, gap: float) -> Bounds:
-        """Return bounds of what a table is above the output, with the sign of the output's."""
+        """Return bounds of table minus output, with the output's sign."""
         if mode == "linear" and 1 << len(self.names) > MOST_TABLE_CORNERS:
             raise UnprovableError(f"a cell of the table has 2^{len(self.names)} corners")
         axes = {axis.name: axis for axis in table.axes}
@@ -445,7 +445,7 @@ class Boxes:
             least, most = joined(norm, (least, most), (other_least, other_most))
         return least, most
 
-    # ── what is refused ──────────────────────────────────────────────────────────────
+    # ── refusals ─────────────────────────────────────────────────────────────────────────
 
     def _demand_covered(self) -> None:
         output = self.output.output

@@ -49,7 +49,7 @@ Valued = tuple[Array, Array, Array]
 """Bounds of a value, NaN where there is none in a box, and where there may be none."""
 
 
-# ── what a defuzzifier takes ─────────────────────────────────────────────────────────
+# ── aggregates by defuzzifier ────────────────────────────────────────────────────────
 
 Figures = dict[str, Interval]
 """Bounds of numbers that an aggregate has, by name; NaN where there are none."""
@@ -145,7 +145,7 @@ WAYS: dict[str, BoundingMethod] = {
     "average": BoundingMethod(sums=_average),
     "sum": BoundingMethod(sums=_weighted),
 }
-"""By what is taken; for interval type 2 the first side is the upper set."""
+"""By kind; for interval type 2 the first side is the upper set."""
 
 
 def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
@@ -167,7 +167,7 @@ def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
     return values[0], values[1]
 
 
-# ── what an output is made of ────────────────────────────────────────────────────────
+# ── an output ────────────────────────────────────────────────────────────────────────
 
 
 class Crisp:
@@ -212,7 +212,7 @@ class Crisp:
 
 
 def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
-    """Return what bounds the value of an output."""
+    """Return the bounding function of an output."""
     defuzzifier, way = output.output.defuzzifier, WAYS[output.record.of]
     if output.discrete:
         return _OfNumbers(output, way, names)
@@ -310,7 +310,7 @@ class _OfNumbers(Crisp):
         return *self.value(figures), may_lack
 
     def _reduced(self, weights: dict[int, Interval], numbers: dict[int, Interval]) -> Valued:
-        """Return bounds of what Karnik and Mendel's way takes of both readings."""
+        """Return bounds of Karnik and Mendel's type reduction of both sets."""
         assert self.way.sums is not None
         pairs = self.output.pairs
         upper, lower = (

@@ -46,7 +46,7 @@ Gains = dict[str, Interval]
 """Slopes by source."""
 
 
-# ── what is known of a signal ────────────────────────────────────────────────────────
+# ── bounds of a signal ───────────────────────────────────────────────────────────────
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def outward(at: Interval) -> Interval:
 
 def combined(operation: str, a: Interval, b: Interval) -> Interval:
     """Return the bounds of an operation, rounded outward."""
-    for one, other in ((a, b), (b, a)):  # what is not rounded is not widened
+    for one, other in ((a, b), (b, a)):  # exact sums are not widened
         if (operation, other) in (("multiply", ONE), ("add", NOTHING)):
             return one
     return outward(combine(operation, a, b))
@@ -389,7 +389,7 @@ def clipped(at: Interval, limits: Interval) -> Interval:
 
 
 def snapped(at: Interval, universe: Interval) -> Interval:
-    """Return what of a universe an input can reach; an end that it all but reaches, it reaches."""
+    """Return the reachable part of a universe; an end that is almost reached is included."""
     slack = 1e-9 * (universe.high - universe.low)
     low, high = clipped(at, universe)
     if at.low < at.high:

@@ -41,7 +41,7 @@ def widened(least: Array, most: Array) -> Interval:
 def joined(norm: Norm, one: Interval, other: Interval) -> Interval:
     """Return bounds of the norm of two degrees, which rises with both."""
     least, most = norm.array(one[0], other[0]), norm.array(one[1], other[1])
-    if norm is TNORMS["bounded"]:  # the sum loses what is smaller than its last bit
+    if norm is TNORMS["bounded"]:  # the sum loses operands below its last bit
         least = np.maximum(least - SLACK, 0.0)
         most = np.maximum(one[1] + other[1] - 1.0 + SLACK, 0.0)
     return widened(least, most)
@@ -81,7 +81,7 @@ class Degrees:
         ] = {}
 
     def over(self, low: Array, high: Array) -> Callable[[Is], Interval]:
-        """Return what gives the bounds of a proposition over boxes."""
+        """Return the function that bounds a proposition over boxes."""
         stretches: dict[int, tuple[list[tuple[float, float]], Array]] = {}
         bounds: dict[tuple[str, str], Interval] = {}
         columns = {name: i for i, name in enumerate(self.names)}
@@ -113,7 +113,7 @@ class Degrees:
 
 
 def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
-    """Return what gives the bounds of a membership over stretches."""
+    """Return the function that bounds a membership over intervals."""
     if shape.kind != "formula" and SHAPES[shape.kind].straight:
         return _straight_bounder(shape)
     if shape.kind == "formula":

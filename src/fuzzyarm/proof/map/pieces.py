@@ -117,20 +117,20 @@ class PieceGrid:
         For each input, whether a membership jumps within the box.
     """
 
-    def __init__(self, model: Straight, what: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
+    def __init__(self, model: Straight, region: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
         self.arithmetic = arithmetic
         self.stop = stop
         lines = [(proposition.input, proposition.corners) for proposition in model.propositions]
-        if what.mirrored:
+        if region.mirrored:
             lines += [(i, _mirrored(corners)) for i, corners in lines]
         self.inputs = [i for i, _ in lines]
         levels = _levels_of(model)
         self.cells: list[list[Cell]] = []
         self.jumps: list[bool] = []
         exact: list[tuple[list[Fraction], list[Fraction]]] = [([], []) for _ in lines]
-        for i, (low, high) in enumerate(what.box):
+        for i, (low, high) in enumerate(region.box):
             mine = [(n, corners) for n, (owner, corners) in enumerate(lines) if owner == i]
-            extra = list(what.positions[i]) if what.positions else []
+            extra = list(region.positions[i]) if region.positions else []
             cuts = _cuts([corners for _, corners in mine], low, high, extra, levels)
             cells, jumps = self._cells_of(cuts, mine, exact)
             self.cells.append(cells)
@@ -249,7 +249,7 @@ class Pieces:
     def __init__(
         self,
         model: Straight,
-        what: Cut,
+        region: Cut,
         arithmetic: Arithmetic,
         only: Array | None = None,
         stop: Stop | None = None,
@@ -257,9 +257,9 @@ class Pieces:
         self.model = model
         self.stop = stop or Stop()
         self.arithmetic = arithmetic
-        self.grid = PieceGrid(model, what, arithmetic, self.stop)
-        self.systems = 2 if what.mirrored else 1
-        dimension = len(what.box)
+        self.grid = PieceGrid(model, region, arithmetic, self.stop)
+        self.systems = 2 if region.mirrored else 1
+        dimension = len(region.box)
         numbers = [len(cells) for cells in self.grid.cells]
         columns = self.systems * model.columns
         numbers_of_each = (dimension + 1) * (dimension + columns) + dimension * columns
@@ -429,7 +429,7 @@ class Pieces:
     def _truth(
         self, node: StraightAntecedent, which: Array, shift: int, undecided: list[Array]
     ) -> _Affine:
-        """Return an antecedent on some pieces; note what has to be decided, innermost first."""
+        """Return an antecedent on some pieces; note the comparisons to decide, innermost first."""
         dimension = self.corners.shape[2]
         if node.kind == "is":
             number = node.proposition + shift
@@ -461,7 +461,7 @@ class Pieces:
         which: Array,
         undecided: list[Array],
     ) -> _Affine:
-        """Return two operands under their norm; note what has to be decided between them."""
+        """Return two operands under their norm; note the comparison to decide between them."""
         if node.kind in {"bounded and", "bounded or"}:  # max(0, a + b − 1) and min(1, a + b)
             one = self.arithmetic.number(Fraction(1))
             limit = one if node.kind == "bounded or" else one - one

@@ -50,7 +50,7 @@ class Places:
 
 
 def places(output: OutputPlan, stop: Stop) -> Places:
-    """Return what finds the maxima of an output of sets."""
+    """Return the function that finds the maxima of an output of sets."""
     sampled = output.output.defuzzifier.resolution is not None
     if output.output.aggregation == "max":
         samples = AggregateSamples(output) if sampled else None

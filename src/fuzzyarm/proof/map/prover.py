@@ -247,7 +247,7 @@ class Prover:
         mode: str,
         region: Mapping[str, tuple[float, float]] = MappingProxyType({}),
     ) -> Bounds:
-        """Return bounds of what a table is above the output (negative: below it) over a region."""
+        """Return bounds of table minus output (negative: table below output) over a region."""
         box = self.box(region)
         table = self._fitting(table)
         if self.model is None:
@@ -654,7 +654,7 @@ class Prover:
         return inside if self.output.outside == "clamp" else value
 
     def _concluded(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
-        """Return what rules conclude at a point, whatever is done outside the range."""
+        """Return the conclusion of the rules at a point, without the clamp to the range."""
         assert self.model is not None
         box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
         surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
@@ -668,12 +668,12 @@ class Prover:
         values = {**self.fixed, **dict(zip(self.names, position, strict=True))}
         return {variable.name: values[variable.name] for variable in self.rulebase.inputs}
 
-    # ── what is refused ──────────────────────────────────────────────────────────────
+    # ── refusals ─────────────────────────────────────────────────────────────────────────
 
-    def demand_pieces(self, what: str) -> None:
+    def demand_pieces(self, kind: str) -> None:
         """Refuse a rule base that is not made of straight pieces."""
         if self.model is None:
-            raise UnprovableError(f"proofs of {what} need straight pieces: {self.reason}")
+            raise UnprovableError(f"proofs of {kind} need straight pieces: {self.reason}")
 
     def _demand_no_jumps(self, question: QuotientProblem, axis: int) -> None:
         surface = self.surface(question, rationals() if self.exact else FLOATS)
@@ -690,11 +690,11 @@ class Prover:
         self.demand_inside_range("slopes", question.box)
 
     def _demand_value_everywhere(
-        self, what: str, region: Mapping[str, tuple[float, float]] = MappingProxyType({})
+        self, statement: str, region: Mapping[str, tuple[float, float]] = MappingProxyType({})
     ) -> None:
         at = self.without_value(region)
         if at is not None:
-            raise UnprovableError(f"{what}: no rule fires at {written(at)}")
+            raise UnprovableError(f"{statement}: no rule fires at {written(at)}")
 
     def _fitting(self, table: LookupTable) -> LookupTable:
         """Return a table over all inputs; one of other inputs is refused."""
@@ -707,7 +707,7 @@ class Prover:
 
         return over_inputs(table, self.rulebase.inputs)
 
-    def demand_inside_range(self, what: str, box: Box) -> None:
+    def demand_inside_range(self, statement: str, box: Box) -> None:
         """Refuse an output that leaves its range: it is clamped there, or has no value."""
         assert self.model is not None
         if math.isfinite(self.model.low) or self.output.outside == "extend":
@@ -715,7 +715,7 @@ class Prover:
         bounds = self.bounds_of(QuotientProblem(box, Surface.value), shifted=True)
         if bounds.low < self.output.low or bounds.high > self.output.high:
             then = "is clamped" if self.output.outside == "clamp" else "has no value there"
-            raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and {then}")
+            raise UnprovableError(f"{statement}: '{self.output.name}' leaves its range and {then}")
 
     def _clamped(self, bounds: Bounds) -> Bounds:
         """Bring bounds of the value into the range, as the value is; a centroid lies in it."""

@@ -240,7 +240,7 @@ class _Reading:
             float(no_rule) if isinstance(no_rule, int | float) else None,
         )
 
-    # ── what is refused ──────────────────────────────────────────────────────────────
+    # ── refusals ─────────────────────────────────────────────────────────────────────────
 
     def _demand_method(self) -> None:
         output = self.output.output

@@ -121,7 +121,7 @@ class Surface:
             return 2
         return self.degree - any(any(value.coefficients) for value in self.model.values)
 
-    # ── what a statement asks for ────────────────────────────────────────────────────
+    # ── statements ───────────────────────────────────────────────────────────────────────
 
     def value(self) -> Quotients:
         """Return the value above the centre."""
@@ -475,7 +475,7 @@ class _Parts(NamedTuple):
 
 
 class _Sum:
-    """Adds up area and moment, their slopes, and the sizes of what is added."""
+    """Adds up area and moment, their slopes, and the magnitudes of the summands."""
 
     def __init__(
         self, arithmetic: Arithmetic, pieces: int, points: int, dimension: int, *, slopes: bool
@@ -499,7 +499,7 @@ class _Sum:
         moment_slopes: Any,
         whole: float,
     ) -> None:
-        """Add to some rows; `whole` is what the area would be at the height 1."""
+        """Add to some rows; `whole` is the area at height 1."""
         self.area[rows] += area
         self.moment[rows] += moment
         if not self.exact:  # heights are off by a share of 1, however small they are

@@ -25,7 +25,7 @@ SECONDS = 10.0
 def table_proof(
     rulebase: RuleBase, output: str, *, seconds: float = SECONDS
 ) -> Callable[[LookupTable, str], float | None]:
-    """Return what proves the worst error of tables of one output.
+    """Return the function that proves the worst error of tables of one output.
 
     Parameters
     ----------

@@ -108,14 +108,14 @@ class AxisLines:
         return rulebase
 
     def name_of(self, of: Source) -> str:
-        """Return what a source is called; those that differ have names that differ."""
+        """Return the name of a source, unique for different ones."""
         return self._names[of]
 
     def remember(self, name: str, of: Source, inner: SignalLaw | None) -> None:
-        """Note what a source is made of; the first walk knows."""
+        """Record the definition of a source; only the first walk knows it."""
         self.definitions.setdefault(name, (of, inner))
 
-    # --- what rule bases are asked; axes share the answers ---
+    # --- queries of rule bases; axes share the answers ---
 
     def prover(self, sheet: RuleBase, output: str) -> Prover:
         """Return the prover of an output."""
@@ -239,7 +239,7 @@ class LineWalk(Algebra[SignalLaw]):
         return over(a, b)
 
     def limit(self, x: SignalLaw, low: float, high: float) -> SignalLaw:
-        """Return it as it is: limits of drives are judged with what is noted."""
+        """Return it unchanged: limits of drives are judged by the records."""
         return x
 
     def near(self, x: SignalLaw, before: SignalLaw, most: float) -> SignalLaw:
@@ -530,7 +530,7 @@ def _simple(ratio: Fraction) -> Fraction:
 
 
 def source_name(of: Source, *, whole: bool = False) -> str:
-    """Return a source as it is called in what is said of it, with all its options or its weight."""
+    """Return a source's name in verdicts, with all its options or its weight."""
     settings = [(word, value) for word, value in of.options if whole or word == "weight"]
     words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in settings)
     return f"{of.kind}{of.record.joined} {of.name}{words}"
