@@ -87,7 +87,7 @@ class Film:
             session.send("Page.screencastFrameAck", {"sessionId": event["sessionId"]})
 
         session.on("Page.screencastFrame", take)
-        session.send("Page.startScreencast", {"format": "png", "everyNthFrame": 3})
+        session.send("Page.startScreencast", {"format": "png", "everyNthFrame": 12})
         return session
 
     def write(self, path: Path) -> None:

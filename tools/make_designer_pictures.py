@@ -58,13 +58,21 @@ def drag(page: Any, selector: str, dx: int) -> None:
     page.wait_for_timeout(300)
 
 
+def turn(page: Any, view: str) -> None:
+    """Turn to a view; those that take their time are behind a word."""
+    tab = page.get_by_role("tab", name=view, exact=True)
+    if not tab.count():  # hidden
+        page.locator("header .more summary").click()
+    tab.click()
+
+
 def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> Any:
     """Open a controller in the view Run, and start it."""
     page = browser.new_page(viewport=SIZE, color_scheme=scheme)
     page.goto(f"{address}#file={name}.frb")
-    page.get_by_role("tab", name="Run").click()
+    turn(page, "Run")
     wait_for(page, HAS_PLANT)
-    page.locator(".run").get_by_label("For", exact=True).fill("4s")
+    page.locator(".run").get_by_label("Duration", exact=True).fill("4s")
     page.locator(".run").get_by_role("button", name="Start").click()
     wait_for(page, HAS_RUN)
     return page
@@ -146,7 +154,7 @@ def open_view(browser: Any, address: str, name: str, view: str, scheme: str = "l
     page = browser.new_page(viewport=SIZE, color_scheme=scheme)
     page.goto(f"{address}#file={name}.frb")
     page.get_by_text("no findings").wait_for()
-    page.get_by_role("tab", name=view).click()
+    turn(page, view)
     return page, page.locator(f"#view-{view.lower()}")
 
 
@@ -168,10 +176,10 @@ def draw_tuning(browser: Any, address: str) -> None:
     tune.get_by_text("What may move, as the text says").wait_for()
     for name, value in {
         "Reference": "temperature=step:20",
-        "For": "1h",
+        "Duration": "1h",
         "Cost": "rms + overshoot",
-        "Evals": "60",
-        "Unseen": "6",
+        "Trials at most": "60",
+        "Unseen scenarios": "6",
     }.items():
         tune.get_by_label(name, exact=True).fill(value)
     tune.get_by_role("button", name="Start").click()
@@ -183,9 +191,9 @@ def draw_sweep(browser: Any, address: str) -> None:
     """Draw the map of a sweep."""
     page, sweep = open_view(browser, address, "servo", "Sweep")
     sweep.get_by_text("takes N values").wait_for()
-    sweep.get_by_role("combobox", name="Sweep").fill("G_e=2..60:12 log J=0.005..0.05:9")
+    sweep.get_by_role("combobox", name="Ranges").fill("G_e=2..60:12 log J=0.005..0.05:9")
     sweep.get_by_role("button", name="Start").click()
-    sweep.get_by_text("All runs are made").wait_for()
+    sweep.get_by_text("Done.").wait_for()
     keep(page, "designer_sweep.png")
 
 
@@ -193,7 +201,7 @@ def draw_fit(browser: Any, address: str) -> None:
     """Draw a rule base that was learned from samples."""
     page, fit = open_view(browser, address, "servo", "Fit", "dark")
     fit.get_by_text("learned from samples").wait_for()
-    fit.get_by_label("Rules", exact=True).fill("9")
+    fit.get_by_label("Rules at most", exact=True).fill("9")
     fit.get_by_role("button", name="Fit").click()
     fit.get_by_text("It can be saved").wait_for()
     keep(page, "designer_fit.png")
@@ -202,16 +210,16 @@ def draw_fit(browser: Any, address: str) -> None:
 def draw_files(browser: Any, address: str) -> None:
     """Draw the views of files, tables and comparison."""
     page = open_page(browser, address, "pd7")
-    page.get_by_role("tab", name="Table").click()
+    turn(page, "Table")
     page.get_by_text("Every cell is proved").wait_for()
     page.locator(".accuracy .bar select").last.select_option("proved")
     page.wait_for_timeout(300)
     page.screenshot(path=HERE / "designer_table.png")
-    page.get_by_role("tab", name="Compare").click()
+    turn(page, "Compare")
     page.locator(".compare .bar select").first.select_option("pd7-soft.frb")
     page.get_by_text("Over all inputs").wait_for()
     page.screenshot(path=HERE / "designer_compare.png")
-    page.get_by_role("tab", name="Files").click()
+    turn(page, "Files")
     keep(page, "designer_files.png", after=3000)
 
     page = browser.new_page(viewport=SIZE, color_scheme="dark")

@@ -25,9 +25,12 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
+from rich.color import Color
 from rich.console import Console, Group
 from rich.padding import Padding
 from rich.panel import Panel
+from rich.segment import Segment
+from rich.style import Style
 from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
@@ -99,17 +102,27 @@ def draw_structures(wanted: list[str]) -> None:
             continue
         path = PICTURES / f"structure-{name}.png"
         do(["simulate", *words.split(), "--plot", str(path)])
-        shrink(path, 92 / 130, 64)  # 92 dots per inch
+        shrink(path, 92 / 130)  # 92 dots per inch
 
 
-def shrink(path: Path, factor: float = 1.0, colours: int = 255) -> None:
+def shrink(path: Path, factor: float = 1.0, colours: int = 64) -> None:
     """Write a picture smaller by a factor and with a palette, unless it grows by that."""
     picture = Image.open(path).convert("RGB")
     width, height = (round(factor * side) for side in picture.size)
     if factor < 1.0:
         picture = picture.resize((width, height), Image.Resampling.LANCZOS)
     buffer = io.BytesIO()
-    picture.quantize(colours, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
+    # Half of the palette has what there is most of, half what differs most: lines stay apart.
+    half = colours // 2
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(
+        [
+            *(picture.quantize(half, dither=Image.Dither.NONE).getpalette() or ())[: 3 * half],
+            *(picture.quantize(half, Image.Quantize.MAXCOVERAGE).getpalette() or ())[: 3 * half],
+        ]
+    )
+    few = picture.quantize(palette=palette, dither=Image.Dither.NONE)
+    few.save(buffer, "PNG", optimize=True)
     if factor < 1.0 or buffer.tell() < 0.9 * path.stat().st_size:
         write_atomically(path, buffer.getvalue())
 
@@ -120,7 +133,7 @@ def draw_map() -> None:
     do(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
 
 
-FRAMES = 40
+FRAMES = 24
 """Of an animation; more make the files large."""
 
 RUNS = {
@@ -209,6 +222,21 @@ TERMINAL = TerminalTheme(
 """The colours of rich's terminal, but black is black: numbers stand on coloured cells."""
 
 
+def coarse(segment: Segment) -> Segment:
+    """Round the colours of a segment: neighbours that look alike are then one element."""
+
+    def rounded(colour: Color | None) -> Color | None:
+        if colour is None or colour.triplet is None:
+            return colour
+        return Color.from_rgb(*(min(255, 12 * round(part / 12)) for part in colour.triplet))
+
+    style = segment.style
+    if style is None:
+        return segment
+    ends = Style(color=rounded(style.color), bgcolor=rounded(style.bgcolor))
+    return Segment(segment.text, style + ends, segment.control)
+
+
 def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
     """Draw into a picture of a terminal."""
     console = Console(
@@ -216,6 +244,7 @@ def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
         force_terminal=True, color_system="truecolor", highlight=False,
     )  # fmt: skip
     console.print(*drawings, sep="\n")
+    console._record_buffer[:] = Segment.simplify(map(coarse, console._record_buffer))
     save(console.export_svg(title=title, theme=TERMINAL), name)
 
 

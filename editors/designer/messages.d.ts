@@ -756,6 +756,7 @@ declare namespace Messages {
     "list": BareMessage;
     "new": NewFile;
     "adopt": OfFile;
+    "samples": BareMessage;
     "duplicate": Naming;
     "rename": Naming;
     "delete": OfFile;

@@ -581,6 +581,20 @@ def test_examples_come_with_what_they_use_and_replace_nothing(tmp_path):
     assert (tmp_path / "pd7.frb").read_text() == "# mine\n"
 
 
+def test_the_samples_of_the_lesson_are_written_where_none_are(tmp_path, monkeypatch):
+    page = Path(__file__).parents[2] / "docs/tutorial/8-learn-it-from-data.md"
+    code = re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)[0]
+    lesson, mine = tmp_path / "lesson", tmp_path / "mine"
+    lesson.mkdir()
+    monkeypatch.chdir(lesson)
+    exec(code, {})
+    mine.mkdir()
+    (mine / "later.csv").write_text("a,b\n")
+    Workspace(mine).answer({"what": "samples"})
+    assert (mine / "valve.csv").read_bytes() == (lesson / "valve.csv").read_bytes()
+    assert (mine / "later.csv").read_text() == "a,b\n"
+
+
 def test_the_shipped_folder_opens_its_plain_rule_base():
     workspace = Workspace(shipped_folder())
     assert workspace.first() == "pd7.frb"

@@ -7,6 +7,7 @@ expectation), a controller of the motor around a rule base, or a heading alone.
 from __future__ import annotations
 
 import math
+import random
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -375,3 +376,20 @@ def _levels(inputs: list[Wish]) -> list[str]:
 def _expectation(inputs: list[Wish], output: Wish) -> str:
     inputs_text = ", ".join(f"{wish.written} = {number_text(wish.high)}" for wish in inputs)
     return f"expect {inputs_text} -> {output.written} > {number_text(output.middle)}"
+
+
+# --- Samples to learn from ---
+
+
+def valve_samples() -> dict[str, str]:
+    """Return the files of the lesson about data: flow of a valve over its lift and pressure."""
+    draw = random.Random(1)
+    lines = ["lift,pressure,flow"]
+    for _ in range(120):
+        lift, pressure = draw.uniform(0, 10), draw.uniform(1, 4)
+        flow = lift**1.5 * pressure**0.5 / 4 + draw.gauss(0, 0.1)
+        lines.append(f"{lift:.2f},{pressure:.2f},{flow:.2f}")
+    return {
+        "valve.csv": "\n".join(lines[:91]),
+        "later.csv": "\n".join([lines[0], *lines[91:]]),
+    }

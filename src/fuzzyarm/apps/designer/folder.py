@@ -20,6 +20,7 @@ from fuzzyarm.apps.builder.starting import (
     PURPOSES,
     controller_text,
     starting_text,
+    valve_samples,
 )
 from fuzzyarm.apps.designer import requests
 from fuzzyarm.apps.designer.faults import error_of
@@ -302,6 +303,13 @@ class Workspace:
         """Copy a file that comes with fuzzyarm into the folder, to be changed there."""
         return self._copied(demand_name(request.file), request.file)
 
+    def _samples(self, _request: requests.BareMessage) -> dict[str, Any]:
+        """Write samples to learn from, where no such files are there yet."""
+        for name, text in valve_samples().items():
+            if name.casefold() not in self._taken():
+                self._written(name, text)
+        return {}
+
     def _copied(self, file: str, name: str) -> dict[str, Any]:
         """Write a shipped file under a name, and those that it uses, where none are there yet."""
         text = shipped(file).read_text(encoding="utf-8")
@@ -407,6 +415,7 @@ _ACTS: Mapping[str, Callable[[Workspace, Any], dict[str, Any]]] = {
     "list": Workspace._list,
     "new": Workspace._new,
     "adopt": Workspace._adopt,
+    "samples": Workspace._samples,
     "duplicate": Workspace._duplicate,
     "rename": Workspace._rename,
     "delete": Workspace._delete,

@@ -387,6 +387,7 @@ FOLDER_QUESTIONS: Mapping[str, type] = {
     "list": BareMessage,
     "new": NewFile,
     "adopt": OfFile,
+    "samples": BareMessage,
     "duplicate": Naming,
     "rename": Naming,
     "delete": OfFile,

@@ -1,6 +1,6 @@
 // Fit: what `fuzzyarm fit` makes of samples in the folder, with residuals, calibration and the firing of the rules.
 
-import { pairsOf } from "./draw.js";
+import { el, pairsOf } from "./draw.js";
 import { S } from "./strings.js";
 import { ResultWork } from "./work.js";
 
@@ -20,9 +20,20 @@ class FitWork extends ResultWork {
   constructor(store, hand) {
     super(store, hand, KIND);
     this.saving("", S.save);
+    this.example = el("button", { textContent: S.valveSamples, hidden: true, onclick: () => this.bringSamples() });
+    this.start.after(this.example);
+  }
+
+  /** Put samples to learn from into the folder. */
+  async bringSamples() {
+    const { error } = await this.hand.folder({ what: "samples" });
+    if (error) return this.say(error);
+    this.stale = true;
+    return this.ask();
   }
 
   fill({ samples, models }) {
+    this.example.hidden = samples.length > 0;
     this.form.choices("data", pairsOf([...samples, ...models]));
     this.form.choices("test", [["", S.none], ...pairsOf(samples)]);
   }

@@ -633,6 +633,7 @@ export const S = {
   fitReady:
     "A rule base is learned from samples of this folder; the last column is what is learned, unless a target is named.",
   noSamples: "There is no .csv file in this folder; a table or a rule base can be learned as well.",
+  valveSamples: "Samples of a valve",
   none: "none",
   tune: "Tune",
   needsConnect: (name) => `${name} (other axes)`,
