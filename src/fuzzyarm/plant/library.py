@@ -14,6 +14,9 @@ conserved quantities, its equations derived independently, and the figures of it
 ``tests/plant/test_library.py``; equations and source to ``docs/reference/plants.md``. A plant of
 another package is a module beside this one (``environments.py``, ``fmu.py``) and a prefix in
 ``find_plant``. Abilities of one plant (trajectories, loads) are declared by the plant itself.
+
+A switch (a stop, a weir, a diode) is best written with ``max``, ``min`` or ``abs``: then the
+equations are traced, and proofs read them. An ``if`` on a state runs, too, but no proof reads it.
 """
 
 from __future__ import annotations

@@ -3,6 +3,12 @@
 To add a metric: a field of :class:`Metrics` and its record in ``METRIC_KINDS``.
 ``docs/reference/metrics.md`` is generated from it, and a test evaluates the formula. It is then
 also a cost of ``tune``.
+
+One that samples cannot give (of every control period) needs, before that, a row of sums in
+``note_errors`` or ``note_changes`` of :mod:`fuzzyarm.control.loop.loop` (its name, and one more in
+`ERRORS` or `CHANGES`), then ``make native``; its value from the sums beside ``shown_means`` in
+:mod:`fuzzyarm.control.loop.program`; a field of :class:`PeriodFigures`, of ``MetricSources`` and
+of ``Run`` in :mod:`fuzzyarm.control.loop.run`, which hand it on.
 """
 
 from __future__ import annotations
