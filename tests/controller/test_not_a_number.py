@@ -496,3 +496,32 @@ def test_a_measured_value_is_a_number(compiled, value):
     with pytest.raises(PortError, match="reference of 'x' is not a number"):
         run.step({"x": 0.0}, {"x": value})
     assert run.step({"x": np.float32(-1.0)}, {"x": 0})["u"] != 0.0  # nothing came of it
+
+
+class TwoSensors(Plant):
+    """A mass with a second output, which no axis reads."""
+
+    name = "two"
+    axis = "a"
+    inputs = {"u": Port("N", -50.0, 50.0)}
+    outputs = {"x": Port("m"), "other": Port("m", bound=math.inf)}
+    states = {"x": "m", "v": "m/s"}
+    other = 0.0
+    duration = 1.0
+    longest_step = 0.01
+
+    def derivative(self, t, x, u, p):
+        return x[1], u[0] - x[1]
+
+    def measure(self, t, x, u, p):
+        return x[0], self.other * x[0]
+
+
+@pytest.mark.parametrize("factor", [math.nan, math.inf])
+def test_a_value_that_no_axis_reads_skips_no_period(factor):
+    odd, plain = TwoSensors(), TwoSensors()
+    odd.other = factor
+    runs = [simulate(made(SERVO), plant, reference={"x": "step:1"}) for plant in (odd, plain)]
+    assert runs[0].skipped == runs[1].skipped == {}
+    assert (runs[0].drives["u"] == runs[1].drives["u"]).all()
+    assert np.ptp(runs[0].drives["u"]) > 0.0
