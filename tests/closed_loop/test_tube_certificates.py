@@ -236,3 +236,33 @@ def test_sets_for_a_time_prove_no_stability(servo, certificate):
     assert "it ends before the claim does" in verdict.reason
     with pytest.raises(ValueError, match="does not show that a loop is stable"):
         certify_tube(servo, forged.claim)
+
+
+EDGED = """rulebase edged
+input e -1 .. 1
+output u -1 .. 1
+term e N: trapezoid -1 -1 -0.2 -0.2
+term e Z: triangle -2 0 2
+term u N: singleton -1
+term u P: singleton 1
+inference u: defuzzifier weighted-average
+rule if e is N then u is N
+rule if e is Z then u is P
+"""
+
+
+@pytest.mark.parametrize(("start", "fits"), [("0.19 .. 0.21", False), ("0.4 .. 0.41", True)])
+def test_a_set_over_a_vertical_edge_is_refused_by_name(tmp_path, start, fits):
+    """At position 0.2, which is an error of -0.2, the output jumps from 1 to about 0."""
+    (tmp_path / "edged.frb").write_text(EDGED)
+    (tmp_path / "c.frb").write_text(
+        'controller c\nuse edged from "edged.frb"\nperiod 1 ms\naxis shaft\n'
+        "  e = error of position\n  u = rules edged(e)\n  drive voltage = u\n"
+    )
+    text = fuzzyarm.load_controller(tmp_path / "c.frb")
+    claim = read_claim(f"on motor from position in {start}: position in -1 .. 1 during 0 .. 3 ms")
+    if fits:
+        assert check_certificate(certify_tube(text, claim), text).proved
+    else:
+        with pytest.raises(ValueError, match="'edged' has a vertical edge"):
+            certify_tube(text, claim, budget=5.0)

@@ -129,10 +129,9 @@ def print_drives(
 ) -> Sequence[DriveProof]:
     """Prove the static part of a controller; print it, except for JSON."""
     from fuzzyarm.apps.show.proofs import drive_lines, grouped_drives
-    from fuzzyarm.plant import find_plant
-    from fuzzyarm.proof.loop.orders import drives_of
+    from fuzzyarm.proof.loop.orders import drives_of, plant_of_drives
 
-    plant = find_plant(request.plant) if request.plant is not None else None
+    plant = plant_of_drives(request, controller)
     with progress() as tell:
         proofs = drives_of(request, controller, tell)
     if request.plot is not None:

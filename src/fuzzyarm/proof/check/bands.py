@@ -49,10 +49,15 @@ class RuleBands:
     ----------
     surface : RuleSurface
         With its exact pieces.
+
+    Attributes
+    ----------
+    why : str
+        Why nothing was known of a box that was asked for last, of those of which nothing was.
     """
 
     def __init__(self, surface: RuleSurface) -> None:
-        self.surface = surface
+        self.surface, self.why = surface, ""
         cuts = surface.grid
         pieces = [
             piece
@@ -126,9 +131,15 @@ class RuleBands:
         for k, (variable, (first, last)) in enumerate(zip(self.variables, self.ends, strict=True)):
             if variable.outside == "clamp":  # what is brought back is never beyond
                 low[k], high[k] = np.clip(low[k], first, last), np.clip(high[k], first, last)
-            lost |= ~((low[k] >= first) & (high[k] <= last))
+            beyond = ~((low[k] >= first) & (high[k] <= last))
+            jumps = np.zeros(shape, dtype=bool)
             for place in self.jumps[k]:
-                lost |= (low[k] <= place) & (place <= high[k])
+                jumps |= (low[k] <= place) & (place <= high[k])
+            if beyond.any():
+                self.why = f"'{variable.name}' may be outside its range, where nothing is known"
+            if jumps.any():
+                self.why = f"a term of '{self.surface.name}' has a vertical edge: jumps"
+            lost |= beyond | jumps
         slopes = np.zeros((self.size, *shape))
         least, most = np.full(shape, -np.inf), np.full(shape, np.inf)
         known = np.flatnonzero(~lost)
@@ -192,6 +203,8 @@ class RuleBands:
         np.minimum.at(least, box, np.where(sure, (found - off).min(axis=1), -np.inf))
         np.maximum.at(most, box, np.where(sure, (found + off).max(axis=1), np.inf))
         nothing = faulty | ~(least <= most)
+        if nothing.any():
+            self.why = f"'{self.surface.name}' may have no value somewhere, or leave its range"
         return slopes, np.where(nothing, -np.inf, least), np.where(nothing, np.inf, most)
 
     def _least_shares(self, low: Vector, high: Vector, piece: NDArray[np.int64]) -> Vector:

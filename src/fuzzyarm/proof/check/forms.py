@@ -108,7 +108,7 @@ def combined(*terms: tuple[Form, Any]) -> Form:
             rest = rest + off * form.size
         else:
             near = np.asarray(factor, float)
-        if not np.any(near):
+        if not np.any(near) and np.isfinite(form.size).all():  # a value that is unknown stays so
             continue
         far = np.abs(near)
         centre = centre + form.centre * near
@@ -135,11 +135,16 @@ class FormNumbers:
         How many there are at once.
     symbols : int
         How many are in use.
+    lost : ndarray of bool, shape (sets,)
+        Which sets a rule base may have no value for, since that was last set to none.
+    why : str
+        And why, of those that were lost last.
     """
 
     def __init__(self, surfaces: RuleSurfaces) -> None:
         self.surfaces = surfaces
-        self.sets, self.symbols = 1, 0
+        self.sets, self.symbols, self.why = 1, 0, ""
+        self.lost: NDArray[np.bool_] = np.zeros(1, dtype=bool)
         self._bands: dict[tuple[int, str], RuleBands] = {}
 
     def at(self, centre: Any, far: Any = 0.0) -> Form:
@@ -201,12 +206,13 @@ class FormNumbers:
         low, high = x.span.low, x.span.high
         if np.all(low >= 0.0):
             return x
-        open_ = (low < 0.0) & (high > 0.0)
+        known = np.isfinite(low) & np.isfinite(high)
+        open_ = known & (low < 0.0) & (high > 0.0)
         share = np.where(open_, high / np.where(open_, high - low, 1.0), low >= 0.0)
         share = np.clip(share, 0.0, 1.0)
         # Whatever the share: max(x, 0) − λ x is from 0 to the larger of −λ low and (1 − λ) high.
         most = np.maximum(-share * low, (1.0 - share) * high)
-        half = np.where(open_, 0.5 * most * ENLARGED, 0.0)
+        half = np.where(open_, 0.5 * most * ENLARGED, np.where(known, 0.0, np.inf))
         return self.kept(combined((x, share), (self.at(half, half), 1.0)))
 
     def _by_slopes(self, operation: str, arguments: list[Form]) -> Any:
@@ -241,6 +247,10 @@ class FormNumbers:
             self._bands[key] = RuleBands(self.surfaces(sheet, output))
         brought = [self._brought(inputs[v.name], v) for v in sheet.inputs]
         slopes, low, high = self._bands[key].band([x.span for x in brought])
+        known = np.isfinite(low) & np.isfinite(high)
+        if not known.all():
+            self.why = self._bands[key].why
+            self.lost = self.lost | ~known
         band = Spans(low, high)
         base = self.at(band.mid().low, band.rad().low)
         return self.kept(combined(*zip(brought, slopes, strict=True), (base, 1.0)))
@@ -262,7 +272,7 @@ class FormNumbers:
         size, count = weights.shape[:2]
         if count > most * size:
             sizes = np.abs(weights)
-            share = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), TINY)
+            share = np.nan_to_num(sizes / np.maximum(sizes.sum(axis=1, keepdims=True), TINY))
             order = np.argsort(-(share.sum(axis=0) - share.max(axis=0)).sum(axis=1), kind="stable")
             stay, go = order[: (most // 2) * size], order[(most // 2) * size :]
             box = sizes[:, go].sum(axis=1) * ENLARGED

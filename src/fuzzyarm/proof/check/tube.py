@@ -179,6 +179,7 @@ class Follower:
         """Return the inputs of the plant, and the memory afterwards."""
         interface = self.problem.site.interface
         outputs = self._outputs(states)
+        self.numbers.lost = np.zeros(self.numbers.sets, dtype=bool)
         inputs, after = self.walk.period(
             self.numbers,
             dict(zip(interface.outputs, outputs, strict=True)),
@@ -328,7 +329,8 @@ class Follower:
                     later = self._later(group, last, task, numbers, found)
                 except (LoopProofError, ZeroDivisionError) as error:
                     if len(group.which) == 1:
-                        found[int(group.which[0])] = Followed(group.period, str(error))
+                        why = self.numbers.why if self.numbers.lost.any() else str(error)
+                        found[int(group.which[0])] = Followed(group.period, why)
                     else:  # one of them is at fault, or they take different branches
                         waiting += _halves(group)
                     continue
@@ -353,15 +355,14 @@ class Follower:
             found[int(i)] = Followed(k)
         for i in which[late]:
             found[int(i)] = Followed(k, f"it has not arrived after {k} periods")
-        bounded = self._bounded(now[: len(self.problem.states)])
-        for i in which[~(arrived | late | bounded)]:
+        lost = ~(arrived | late | self._bounded(now[: len(self.problem.states)]))
+        for i in which[lost]:
             found[int(i)] = Followed(k, "an output may be beyond its bound")
-        which, now = _stay(which, now, ~(arrived | late) & bounded)
+        which, now = _stay(which, now, ~(arrived | late | lost))
         if not len(which):
             return None
         self.numbers.sets = len(which)
-        after, span = self._period(now, first=k == 0, port=port if counts else "")
-        now = self.numbers.fewer(after, MOST_SYMBOLS)
+        which, now, span = self._further(which, now, k, port if counts else "", found)
         if span is not None and claim is not None:
             holds = np.broadcast_to(
                 (span.low >= claim.low) & (span.high <= claim.high), which.shape
@@ -374,6 +375,17 @@ class Follower:
                     found[int(i)] = Followed(k + 1)
                 return None
         return _Group(which, now, k + 1) if len(which) else None
+
+    def _further(
+        self, which: Index, now: Sequence[Form], k: int, port: str, found: list[Followed]
+    ) -> tuple[Index, list[Form], Spans | None]:
+        """Return sets a period later and where a port was, without those that have no bound."""
+        after, span = self._period(now, first=k == 0, port=port)
+        lost = np.broadcast_to(self.numbers.lost, which.shape) | ~_finite(after)
+        for i in which[lost]:
+            found[int(i)] = Followed(k, self.numbers.why or "its sets have no bound")
+        which, now = _stay(which, self.numbers.fewer(after, MOST_SYMBOLS), ~lost)
+        return which, now, None if span is None else span[~lost]
 
     def _arrived(self, group: _Group, last: Index, task: Task, numbers: Index | None) -> Flags:
         """Tell which sets have arrived: in a region, or in boxes before them."""
@@ -458,6 +470,11 @@ class Follower:
 
 def _point(form: Form) -> Spans:
     return Spans(form.centre, form.centre)
+
+
+def _finite(forms: Sequence[Form]) -> Flags:
+    """Tell which sets have bounds."""
+    return np.asarray(np.all([np.isfinite(form.size) for form in forms], axis=0))
 
 
 def _stay(which: Index, now: Sequence[Form], stays: Flags) -> tuple[Index, list[Form]]:

@@ -21,7 +21,8 @@ from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.own import PLANTS, find_plant
+from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import write_certificate
 from fuzzyarm.proof.check.checking import Checked, check_of
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
@@ -270,13 +271,23 @@ def _forms(prover: Prover, along: str | None, failed: list[str]) -> list[dict[st
     return forms
 
 
+def plant_of_drives(request: ProveRequest, controller: ControllerText) -> Plant | None:
+    """Return the plant whose ranges hold for drives: that of the request, else of all claims."""
+    if request.plant is not None:
+        return find_plant(request.plant)
+    named = {claim.plant for claim in controller.model.claims}
+    if len(named) == 1 and (request.trust or named <= set(PLANTS)):
+        return find_plant(*named)
+    return None
+
+
 def drives_of(
     request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
 ) -> list[DriveProof]:
     """Prove the static part of a controller."""
     if request.along is not None or request.output is not None:
         raise UsageError("--along and --output are for rule bases, not for controllers")
-    plant = find_plant(request.plant) if request.plant is not None else None
+    plant = plant_of_drives(request, controller)
     return prove_drives(controller, plant, budget=budget_of(request), tell=tell)
 
 
