@@ -438,7 +438,7 @@ def test_a_first_sample_may_be_lost_and_all_of_them(tmp_path):
     never = simulate(text, plant=Never(), step=1.0)
     assert (never.diverged, never.lost) == (None, {"x": 100})
     (found,) = never.metrics.values()
-    numbers = found.as_dict()
+    numbers = found.to_dict()
     assert {name for name, value in numbers.items() if value is not None} == {
         "effort", "variation", "saturated", "chatter",
     }  # fmt: skip

@@ -193,7 +193,7 @@ def test_a_page_runs_what_simulate_runs(open_page, folder):
     metrics = next(each for each in reversed(heard) if each.get("news") == "metrics")["metrics"]
     units = ready["units"]["shaft"]
     assert (units["rms_path"], units["iae"], units["variation"]) == ("degrees", "degrees s", "V/s")
-    for name, value in run.metrics["shaft"].as_dict().items():
+    for name, value in run.metrics["shaft"].to_dict().items():
         assert metrics["shaft"][name] == pytest.approx(value, rel=1e-4), name
     assert heard[-1]["how"] == "finished"
     assert page.stop()["end"] == "stopped"
@@ -214,7 +214,7 @@ def test_a_run_stands_at_its_time_with_the_bits_of_simulate_and_goes_on(open_pag
         duration=0.5,
         options=Options(seed=7, sensors={"position": Sensor(noise=0.01)}),
     )
-    for name, value in run.metrics["shaft"].as_dict().items():
+    for name, value in run.metrics["shaft"].to_dict().items():
         assert metrics["shaft"][name] == pytest.approx(value, rel=1e-4), name
     page.say(pull=[0.5, 0.0])  # a hand takes it further
     assert page.until("samples")[-1]["paused"] is False

@@ -116,7 +116,7 @@ def test_lesson_5_says_when_the_shaft_is_there(lesson):
     at = float(np.interp(0.135, run.time, position))
     assert 0.99 < at < 1.0 < position[run.time > 0.1351][0]
     assert "The shaft arrives after 0.135 s" in " ".join(LESSON.split())
-    metrics = next(iter(run.metrics.values())).as_dict()
+    metrics = next(iter(run.metrics.values())).to_dict()
     rows = re.findall(r"(?m)^\| `(\w+)` \| (−?)([\d.]+)[^|]* \|", LESSON)
     assert {name for name, *_ in rows} >= {"rms", "max", "final", "rise", "overshoot", "settling"}
     for name, sign, digits in rows:

@@ -120,7 +120,7 @@ def test_seeds_equal_single_runs_to_the_last_bit():
         np.testing.assert_array_equal(many.final[i], one.final)
         np.testing.assert_array_equal(many.maximum[i], one.maximum)
         for name, metrics in one.metrics.items():
-            for metric, value in metrics.as_dict().items():
+            for metric, value in metrics.to_dict().items():
                 found = many[metric][i, many.outputs.index(name)]
                 assert found == value or (value is None and np.isnan(found))
     assert np.isnan(many.diverged).all()

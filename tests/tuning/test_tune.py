@@ -358,7 +358,7 @@ def test_the_noise_of_the_judgement_shows_and_its_size_is_said():
     assert found.noise in (1e-5, 1e-4, 1e-3, 1e-2)
     assert row.scores["noisy"].cost != pytest.approx(row.scores["unseen"].cost, rel=1e-3)
     assert f"noisy: with noise of {100 * found.noise:g} % of each range" in list(found.remarks())
-    assert found.as_data()["noise"] == found.noise
+    assert found.to_dict()["noise"] == found.noise
 
 
 def test_noise_leaves_what_a_sensor_has_beside_it():

@@ -20,7 +20,15 @@ from functools import cache
 from types import MethodType, MethodWrapperType
 from typing import Any, NamedTuple, TypeVar
 
-__all__ = ["JsonProperty", "entry", "json_properties", "jsonable", "properties_of", "script_json"]
+__all__ = [
+    "JsonProperty",
+    "JsonRecord",
+    "entry",
+    "json_properties",
+    "jsonable",
+    "properties_of",
+    "script_json",
+]
 
 
 T = TypeVar("T")
@@ -152,6 +160,17 @@ def jsonable(data: Any, words: str = "", infinite: Callable[[float], Any] = lamb
     if hasattr(data, "tolist"):
         return jsonable(data.tolist(), words, infinite)
     return [jsonable(item, words, infinite) for item in data]
+
+
+class JsonRecord:
+    """A record that gives its properties in JSON."""
+
+    __slots__ = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the properties in JSON types; None for what is not a finite number."""
+        data: dict[str, Any] = jsonable(self)
+        return data
 
 
 def script_json(data: object) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from fuzzyarm.base.jsonable import json_properties, jsonable
+from fuzzyarm.base.jsonable import JsonRecord, json_properties
 from fuzzyarm.base.shown import Drawn, one_line
 from fuzzyarm.inference.aggregate import Fired, aggregate, fold_at_point
 from fuzzyarm.inference.engine import Outcome, kept
@@ -189,7 +189,7 @@ class OutputTrace:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Trace(Drawn):
+class Trace(Drawn, JsonRecord):
     """Every step of one inference; ``print`` and notebooks draw it.
 
     Attributes
@@ -214,14 +214,6 @@ class Trace(Drawn):
         outputs = ", ".join(f"{output.name} = {output.value:.6g}" for output in self.outputs)
         fired = f"{len(self.fired)} of {len(self.rules)} rules fire"
         return one_line(self, f"{self.rulebase}: {inputs} → {outputs}, {fired}")
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the trace as dicts, lists and numbers, fit for JSON.
-
-        Infinite ranges and values that are NaN become None.
-        """
-        record: dict[str, Any] = jsonable(self)
-        return record
 
     @property
     def is_type2(self) -> bool:

@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.jsonable import json_properties, jsonable
+from fuzzyarm.base.jsonable import JsonRecord, json_properties
 from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.inference.sets import degrees
 from fuzzyarm.inference.strengths import firing_strengths
@@ -132,7 +132,7 @@ class Bin(NamedTuple):
 
 @json_properties("* -predicted -observed never_fired=silent_rules")
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Validation(Plotted):
+class Validation(Plotted, JsonRecord):
     """The judgement of samples on a rule base.
 
     Attributes
@@ -201,11 +201,6 @@ class Validation(Plotted):
     def silent_rules(self) -> tuple[int, ...]:
         """Numbers of the rules that no sample makes fire."""
         return tuple(rule.number for rule in self.never_fired)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as JSON data: NaN is None, and the samples themselves are left out."""
-        data: dict[str, Any] = jsonable(self)
-        return data
 
 
 def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:

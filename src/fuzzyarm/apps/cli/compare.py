@@ -375,7 +375,7 @@ def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
     yield ["controller", "error of", *SHOWN]
     for run in runs:
         for (name, metrics), label in zip(run.metrics.items(), run.labels, strict=True):
-            cells = metrics.as_dict()
+            cells = metrics.to_dict()
             numbers = ["-" if cells[metric] is None else f"{cells[metric]:.4g}" for metric in SHOWN]
             if run.diverged is not None:
                 numbers = [f"diverged at {run.diverged:.4g} s", *[""] * (len(SHOWN) - 1)]

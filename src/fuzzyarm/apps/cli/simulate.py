@@ -267,7 +267,7 @@ def _error_lines(result: Run) -> list[str]:
 def _metric_lines(result: Run) -> list[str]:
     """Return a table with a column for each tracked output."""
     names = [f"{label}, {unit}" for label, unit in zip(result.labels, result.units, strict=True)]
-    columns = [metrics.as_dict() for metrics in result.metrics.values()]
+    columns = [metrics.to_dict() for metrics in result.metrics.values()]
     lines = [("error of", *names)]
     # With a set point in every control period all three are equal.
     between = {"rms_periods": "  all periods", "rms_path": "  path"}

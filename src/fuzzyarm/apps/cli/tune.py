@@ -106,7 +106,7 @@ def _run(request: TuneWords) -> int:
     result.take(tuned)
     if request.json:
         files = [os.fspath(file) for file in result.files]
-        print_json({**tuned.as_data(), "files": files})
+        print_json({**tuned.to_dict(), "files": files})
     else:
         say(*_lines(tuned, path, result.files))
     if request.out is None:

@@ -543,7 +543,7 @@ class LiveRun:
         # The first time brings its modules along, which says nothing about the next one.
         self.measuring = 0.0 if is_first else self.measured - now
         metrics = {
-            name: {k: None if v is None else short(v, 5) for k, v in value.as_dict().items()}
+            name: {k: None if v is None else short(v, 5) for k, v in value.to_dict().items()}
             for name, value in metrics_now.items()
         }
         at = short(self._time(self.run.next), 9)

@@ -351,7 +351,7 @@ def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[
 
 def _reported(tuned: Tuned) -> dict[str, Any]:
     files = [{"name": file.name, "new": file.new, "changed": file.changed} for file in tuned.files]
-    return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
+    return {**tuned.to_dict(), "diff": tuned.diff(), "files": files}
 
 
 def _thinned(dots: Dots) -> Dots:

@@ -22,7 +22,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.jsonable import JsonRecord
 from fuzzyarm.control.loop.loop import final, rms, signed_maximum
 
 Vector = NDArray[np.float64]
@@ -35,7 +35,7 @@ SETTLED = 0.02
 
 
 @dataclass(frozen=True)
-class Metrics:
+class Metrics(JsonRecord):
     """Metrics of one axis; errors in the displayed unit, times in s, drives in their unit.
 
     Attributes
@@ -81,11 +81,6 @@ class Metrics:
     chatter: float = 0.0
     rms_periods: float = math.nan
     rms_path: float = math.nan
-
-    def as_dict(self) -> dict[str, float | None]:
-        """Return the metrics by name; None for non-finite ones."""
-        values: dict[str, float | None] = jsonable(self)
-        return values
 
 
 METRICS = tuple(field.name for field in fields(Metrics))

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from fuzzyarm.base.files import real_path, same_file, write_atomically
-from fuzzyarm.base.jsonable import json_properties, jsonable
+from fuzzyarm.base.jsonable import JsonRecord, json_properties
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.control.controllers.text import ControllerText
@@ -96,7 +96,7 @@ class ComparedRow(NamedTuple):
     " curve=found.curve front"
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Tuned:
+class Tuned(JsonRecord):
     """The result of tuning.
 
     Attributes
@@ -218,11 +218,6 @@ class Tuned:
     def remarks(self) -> Iterator[str]:
         """Yield further remarks, one line each."""
         yield from _remarks(self)
-
-    def as_data(self) -> dict[str, Any]:
-        """Return the report as JSON data; missing values are None."""
-        data: dict[str, Any] = jsonable(self)
-        return data
 
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the texts; rule bases in files of their own go beside, as ``STEM-NAME.frb``.
