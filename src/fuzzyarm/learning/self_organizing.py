@@ -110,7 +110,8 @@ def trained(
         record = RunRecord(course, memory, error_taps(course))
         loop = loop_for(program, course, record)
         for begin, end in rings:
-            record.memory[begin:end] = program.memory[begin:end]  # no cell is responsible yet
+            # The ring of the last `delay` cells: at the start of a pass none is responsible yet.
+            record.memory[begin:end] = program.memory[begin:end]
         # Each pass is disturbed in its own way.
         seed = options.seed + count * (passage - 1) if options.disturbance else None
         block = record.block(program, course.parts(seed))

@@ -168,7 +168,8 @@ class Premises:
         return self._shares(self.degrees(inputs))
 
     def _shares(self, degrees: Array) -> Array:
-        # Products of degrees as sums of logarithms: ten small ones do not vanish.
+        # Products of degrees as sums of logarithms: ten small ones do not vanish. Shares do not
+        # change with a common factor, so the largest weight of a sample is set to exp(0) = 1.
         logarithm = np.log(np.maximum(degrees, TINY)) @ self.members.T
         weights = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
         shares: Array = weights / weights.sum(axis=1, keepdims=True)
@@ -192,6 +193,7 @@ class Premises:
         degrees = self.degrees(inputs)
         shares = self._shares(degrees)
         mean = np.sum(shares * consequents, axis=1, keepdims=True)
+        # y = Σ w_r c_r / Σ w_r with w_r = Π μ: a term scales the weights of its rules, by dμ / μ.
         by_term = (shares * (consequents - mean)) @ self.members
         by_term /= np.maximum(degrees, TINY)
         values = np.zeros((len(inputs), len(self.numbers)))
@@ -358,6 +360,7 @@ class Projection:
         scaled = scaling.scaled(outputs)
         self.rest = scaled - self.span @ (self.span.T @ scaled)
         self.size = len(premises.rules) * self.regressors.shape[1]
+        # The mean square error times n: λ of a mean is λ n of a sum.
         self.penalty = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(self.size)
         self.best = (np.inf, premises.numbers)
         self._last_fit: tuple[bytes, Array, Array, Array] | None = None
@@ -396,7 +399,8 @@ class Projection:
             slope -= self.span @ (self.span.T @ slope)
             full = np.vstack([slope, np.zeros((self.size, slope.shape[1]))])
             # -(I - Q Qᵀ) (∂D/∂p) δ: Q spans the column space of the consequents, penalty rows
-            # included.
+            # included. Kaufman's simplification of variable projection (BIT 15, 1975) drops the
+            # term with the residual, which is small near a good fit.
             parts.append(factor @ (factor[:count].T @ slope) - full)
         return np.concatenate(parts)
 

@@ -81,8 +81,12 @@ def proposals(
     low, high = np.array(ranges).T
     position = (np.column_stack([inputs, outputs]) - low) / (high - low) * (words - 1)
     nearest = np.clip(np.rint(position), 0, words - 1).astype(np.intp)
+    # Positions are in units of the spacing of terms, where a triangle of half overlap is
+    # 1 - |position - peak|: the nearest peak is the term of largest membership. The degree of a
+    # rule is the product over its inputs and its output.
     degree = np.prod(1.0 - np.abs(position - nearest), axis=1)
-    # Rows are ordered by antecedent, then degree: the last of each antecedent stays.
+    # Rows are ordered by antecedent, then degree: the last of each antecedent stays. (`lexsort`
+    # takes its primary key last; it is stable, so of equal degrees the later sample wins.)
     order = np.lexsort((degree, *nearest[:, :-1].T[::-1]))
     ordered = nearest[order]
     last = np.append(np.any(np.diff(ordered[:, :-1], axis=0), axis=1), True)

@@ -372,8 +372,8 @@ def semi_implicit(
         Before the step.
     torque : pair of float
         N m, constant over the step.
-    Pose of `state`.
-        Of `state`.
+    pose : Pose
+        Sines and cosines of the position in `state`.
     numbers, at
         The constants of the arm, see :func:`joint_acceleration`.
     step : float
@@ -408,8 +408,8 @@ def runge_kutta(
     single: bool,
 ) -> State:
     """Advance by `parts` classical fourth-order steps; arguments as above."""
-    # Slopes at the start, twice at the midpoint and at the end of each step, with constant torque
-    # and without intermediate rounding: the reference for the integrator above.
+    # Slopes (v, a) at the start, twice at the midpoint and at the end of each step, with constant
+    # torque and without intermediate rounding: the reference for the integrator above.
     h = step / parts
     now = state
     for _ in range(parts):

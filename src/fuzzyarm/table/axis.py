@@ -122,6 +122,7 @@ class Axis:
         if mode == "bins" and self.bins is not None:
             return self.bins
         levels = self.levels
+        # Halves first: the sum of two levels near the largest double would overflow.
         return tuple(0.5 * a + 0.5 * b for a, b in itertools.pairwise(levels))
 
     def cell(self, x: float, mode: str = "bins") -> int:

@@ -259,6 +259,7 @@ def sample(
     rows = max(1, _SLAB // max(1, values[0].size))
     engine = _engine(rulebase, output, values.size)
     for start in range(0, levels[0].size, rows):
+        # `ix_` gives input i the shape (1, …, nᵢ, …, 1); broadcasting makes the grid.
         part = [levels[0][start : start + rows], *levels[1:]]
         slab = evaluate(rulebase, output, [a.name for a in axes], np.ix_(*part), engine)
         values[start : start + rows] = slab if rounding is None else round_to(slab, rounding)

@@ -251,6 +251,8 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
         lower, share = neighbour(s, levels_at(axis, count), count, s[k[at + INPUTS + i]])
         s[room + i] = share
         upper = lower + (1 if count > 1 else 0)
+        # In place, from the last corner: 2j and 2j + 1 are never below an unread j. Afterwards the
+        # lowest bit of a corner's position is its side along this input.
         for j in range(found - 1, -1, -1):
             cell = s[corners + j] * count
             s[corners + 2 * j] = cell + lower
@@ -259,6 +261,7 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
         axis = next_axis(axis, count)
     for j in range(found):
         s[corners + j] = s[k[at + VALUES] + int(s[corners + j])]
+    # Along the last input corners 2j and 2j + 1 are neighbours: blending halves the list.
     for i in range(inputs - 1, -1, -1):
         found //= 2
         for j in range(found):

@@ -138,6 +138,8 @@ def _step_response(
     time: Vector, reference: Vector, errors: Vector
 ) -> tuple[float | None, float | None, float | None]:
     """Return rise time, overshoot and settling time, where the reference is one step."""
+    # Sampled definitions: 10 % to 90 % of the step, and the first sample after the last one outside
+    # the band, without interpolation between samples.
     jumps = np.flatnonzero(reference[1:] != reference[:-1])
     # A step before the first sample shows no jump: the first output is the start.
     begin = 0 if not len(jumps) else int(jumps[0]) + 1
@@ -196,6 +198,7 @@ class _Samples:
 
     def integral(self, values: Vector) -> float:
         """Return the integral of something over the samples; NaN of none."""
+        # The rectangle rule: each sample stands for the period that it begins.
         return float(np.sum(values) * self.period) if len(values) else math.nan
 
     @cached_property
@@ -208,6 +211,7 @@ class _Samples:
         """Movement of all drives per second."""
         if not self.drives.size:
             return 0.0
+        # Total variation, Σ |u_k - u_(k-1)| over all drives, by the length of the run in seconds.
         moved = np.abs(self.drives[1:] - self.drives[:-1]).sum()
         return float(moved / (len(self.errors) * self.period))
 

@@ -70,6 +70,7 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
         return value
 
     while True:
+        # Random orientation: a restart in the same direction would repeat the collapse.
         signs = np.where(generator.random(len(start)) < 0.5, -1.0, 1.0)
         minimize(
             cost,
@@ -79,6 +80,7 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
             options={
                 "adaptive": True,
                 "initial_simplex": simplex(best, size * signs),
+                # SciPy stops when both hold: the simplex is small, and its costs are equal.
                 "xatol": SMALLEST_SIMPLEX,
                 "fatol": 0.0,
                 "maxiter": 10**9,
@@ -119,7 +121,7 @@ def cma_es(ask: Ask, start: Vector, seed: int) -> NoReturn:
 
     best, least, deviation = start, np.inf, FIRST_DEVIATION
     while True:
-        # The package interprets a seed of 0 as the time of day.
+        # The package interprets a seed of 0 as the time of day, which no journal could resume.
         seed_ = seed % SEEDS or SEEDS - 1
         settings: dict[str, Any] = {"bounds": [0.0, 1.0], "seed": seed_, "verbose": -9}
         strategy = cma.CMAEvolutionStrategy(best.tolist(), deviation, settings)
@@ -156,6 +158,7 @@ def differential_evolution(ask: Ask, start: Vector, seed: int) -> NoReturn:
         people = np.clip(np.vstack([first, near, far]), 0.0, 1.0)
 
         def costs(columns: Vector) -> Vector:
+            # SciPy passes the generation with shape (parameters, members).
             return np.array(ask([np.array(column) for column in np.atleast_2d(columns.T)]))
 
         result = evolve(
@@ -163,7 +166,7 @@ def differential_evolution(ask: Ask, start: Vector, seed: int) -> NoReturn:
             [(0.0, 1.0)] * len(start),
             init=people,
             vectorized=True,
-            updating="deferred",
+            updating="deferred",  # a whole generation at a time, independent of the workers
             polish=False,
             tol=1e-8,
             maxiter=10**7,
