@@ -67,7 +67,9 @@ def draw_table() -> None:
 
 def draw_surface() -> None:
     """Draw the terms and the control surface of pd7.frb."""
-    do(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
+    path = PICTURES / "pd7.png"
+    do(["plot", str(shipped("pd7.frb")), "-o", str(path)])
+    shrink(path, 100 / 150)
 
 
 SERVO = "rulebases/servo.frb"
@@ -133,7 +135,7 @@ def draw_map() -> None:
     do(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
 
 
-FRAMES = 24
+FRAMES = 20
 """Of an animation; more make the files large."""
 
 RUNS = {
