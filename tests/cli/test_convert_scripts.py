@@ -100,6 +100,7 @@ def test_every_system_becomes_a_file(folder: Path, capsys: pytest.CaptureFixture
             "No module named 'no_such_module'",
             "pip install no_such_module",
         ),
+        ("import msvcrt\n", "No module named 'msvcrt'", "a part of Python on Windows"),
         ("from RPi import GPIO\n", "No module named 'RPi'", "pip install RPi.GPIO"),
         (
             "import argparse\np = argparse.ArgumentParser()\np.add_argument('a')\np.parse_args()\n",
@@ -122,6 +123,16 @@ def test_scripts_that_make_nothing(
     assert finding in printed.err
     assert line in printed.err
     assert not list(folder.glob("*.frb"))
+
+
+def test_lines_for_a_notebook_are_left_out(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = "pip install fuzzylite\n!ls\n%matplotlib inline\nif True:\n    !pip install it\n"
+    rest = "from fuzzylite import Engine\nengine = Engine('one')\nengine.process()\nprint(1 / 0)\n"
+    assert main(["convert", script(folder, lines + rest)]) == 0
+    assert "9 | print(1 / 0)" in capsys.readouterr().out
+    assert load_rulebase(folder / "engine.frb").name == "one"
 
 
 @pytest.mark.slow

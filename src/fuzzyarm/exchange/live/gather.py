@@ -13,6 +13,7 @@ import builtins
 import importlib.util
 import json
 import os
+import re
 import signal
 import sys
 import threading
@@ -126,6 +127,9 @@ def _top_module(name: object) -> str:
 
 
 # --- The script ---
+
+_NOTEBOOK = re.compile(rb"^([ \t]*)(?:[!%]|(?:pip|conda) install\b).*$", re.MULTILINE)
+"""A line for a notebook or a shell, which people leave in their scripts."""
 
 
 def _interrupt() -> None:
@@ -330,7 +334,8 @@ def main() -> None:
     timer.daemon = True
     timer.start()
     try:
-        exec(compile(script.read_bytes(), str(script), "exec", dont_inherit=True), vars(module))
+        text = _NOTEBOOK.sub(rb"\1pass", script.read_bytes())
+        exec(compile(text, str(script), "exec", dont_inherit=True), vars(module))
     except BaseException as error:
         if not isinstance(error, SystemExit) or error.code not in (None, 0):
             raised = _as_data(error, str(script))

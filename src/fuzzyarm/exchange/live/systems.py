@@ -214,11 +214,15 @@ _PACKAGES = {
 }  # fmt: skip
 """Packages with another name than their module."""
 
+_OF_WINDOWS = {"_winapi", "msvcrt", "nt", "winreg", "winsound"}
+
 
 def _hint(raised: Mapping[str, Any]) -> str:
     missing = re.match(r"No module named '(\w+)", raised["message"])
     if missing is None or raised["kind"] != "ModuleNotFoundError":
         return _HINTS.get(raised["kind"], "")
+    if missing[1] in _OF_WINDOWS:
+        return f"{missing[1]} is a part of Python on Windows: run this there, or leave it out"
     package = _PACKAGES.get(missing[1], missing[1])
     return f"pip install {package} ; --python names another interpreter that has it"
 
