@@ -220,6 +220,25 @@ def test_too_many_rules_for_the_flash_are_counted(tmp_path, monkeypatch, capsys)
     assert not Path("made").exists()
 
 
+@pytest.mark.slow
+def test_what_fits_without_its_self_test_is_measured_all_the_same(tmp_path, monkeypatch, capsys):
+    need_avr()
+    monkeypatch.chdir(tmp_path)
+    terms = " ".join(f"T{k}" for k in range(16))
+    rules = (f"rule if a is T{i} and b is T{j} then y is T{(3 * i + 5 * j) % 16}\n"
+             for i in range(16) for j in range(16))  # fmt: skip
+    Path("large.frb").write_text(
+        "rulebase large\ninput a 0 .. 1\ninput b 0 .. 1\noutput y 0 .. 1\n"
+        f"terms a, b, y: triangles {terms}\ninference and product, implication product,"
+        " aggregation sum, no-rule 0\n" + "".join(rules)
+    )
+    assert main(["compile", "large.frb", "--for", "arduino", "--direct", "-o", "made"]) == 0
+    said = capsys.readouterr().out
+    flash = int(re.search(r"flash ([\d,]+) of", said)[1].replace(",", ""))
+    assert 29_000 < flash < 32_256  # and the self-test takes some 4,000 more
+    assert "the self-test passes" in said
+
+
 def test_options_for_boards_need_one(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["compile", PD7, "-o", "x.h", "--board", "uno"]) == 2

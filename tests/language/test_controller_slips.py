@@ -335,6 +335,14 @@ def test_everywhere_a_time_stands_its_unit_may_stand_close():
     assert parse(text).diagnostics == ()
 
 
+def test_lines_of_a_controller_below_a_grid_are_no_rows_of_it():
+    head, rest = TEXT.split("\nperiod ", 1)
+    rules = "rulebase lev\ninput e 0 .. 1\noutput u 0 .. 1\nterms e, u: triangles N P\n"
+    found = faults(f"{head}\n{rules}rules u\n  e  N P\n  u  N P\n\nperiod {rest}")
+    assert all("controller NAME , above the next heading" in f.hint for f in found[3:])
+    assert {f.name for f in found} == {"unknown-statement", "missing-period", "no-axes"}
+
+
 def test_a_name_that_starts_with_a_digit_stands_in_quotes():
     (finding,) = faults(TEXT.replace("axis shaft", "axis 1s"))
     assert finding.replacement == "'1s'"

@@ -39,6 +39,7 @@ MISTAKES = {
     ("duration = 10.0", "duration = -1"): (8, "duration is -1", "positive"),
     ("duration = 10.0", "longest_step = 0"): (8, "longest_step is 0", "positive"),
     ("duration = 10.0", "longest_stp = 0.1"): (8, "'longest_stp' is not read", "'longest_step'"),
+    ("duration = 10.0", "output = lambda self, t, x, u, p: x"): (8, "not read", "'measure'"),
     ("[20.0, 20.0]", "[20.0]"): (10, "start returns 1 number for 2 states", "charge, element"),
     ("return [x[1] - x[0], 0.2", "return [0.2"): (13, "returns 1 number for 2", "charge"),
     ("p[0] * x[1]]", "p[0] * x[1], 0.0]"): (13, "derivative returns 3 numbers for 2", "charge"),

@@ -134,9 +134,9 @@ class _StatementTokens:
             return True
         if not self.takes_lines:
             return False
-        return self._is_grid_line(line) or not near_hint(line.tokens[0].text, STATEMENTS)[0]
+        return self.is_grid_line(line) or not near_hint(line.tokens[0].text, STATEMENTS)[0]
 
-    def _is_grid_line(self, line: SourceLine) -> bool:
+    def is_grid_line(self, line: SourceLine) -> bool:
         """Whether a line looks like the header of a grid, or like a row below it."""
         if self.record.word != "rules":
             return False
@@ -189,7 +189,7 @@ def _group_lines(
             groups.append(_StatementTokens(record, line.tokens, tuple(waiting), line.comment))
             heading = record.word if record.word in HEADINGS else heading
             in_axis = record.word == "axis" or (in_axis and record.word not in HEADINGS)
-        elif groups and groups[-1].takes(line):
+        elif groups and groups[-1].takes(line) and not _is_astray(line, heading, groups):
             groups[-1].extend(line, waiting)
         else:
             records = statements_below(heading)
@@ -220,11 +220,19 @@ def _group_lines(
     return groups, tuple(waiting)
 
 
+def _is_astray(line: SourceLine, heading: str, groups: Sequence[_StatementTokens]) -> bool:
+    """Whether a line below a grid is one of the controller above the rule base."""
+    if line.indented or heading != "rulebase" or groups[-1].is_grid_line(line):
+        return False
+    has_controller = any(group.record is CONTROLLER for group in groups)
+    return has_controller and line.tokens[0].text in statements_below("controller")
+
+
 def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
     """Return the probable statement for an unknown word below a heading."""
     for other in HEADINGS:
         if other != heading and word in statements_below(other):
-            return f"it belongs below a line  {other} NAME", None
+            return f"it belongs below a line  {other} NAME , above the next heading", None
     return near_hint(word, statements_below(heading))
 
 

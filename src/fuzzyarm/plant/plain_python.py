@@ -117,6 +117,10 @@ def _require_rates(plant: Plant) -> None:
             )  # fmt: skip
 
 
+_MEASURING = {"measurement", "measurements", "observe", "output"}
+"""Methods of this name are what other programs call `measure`."""
+
+
 def _require_no_slip(plant: Plant) -> None:
     """Raise PlantError for an attribute that looks like a misspelt optional one."""
     own_classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
@@ -125,6 +129,8 @@ def _require_no_slip(plant: Plant) -> None:
         if isinstance(value, Mapping | Trajectory) and not hasattr(Plant, name):
             options.append("trajectories")
         near = "" if name in options else nearest(name, options)
+        if name in _MEASURING and callable(value) and not hasattr(Plant, name):
+            near = "" if type(plant).measure is not Plant.measure else "measure"
         if near:
             raise _fault(plant, name, f"'{name}' is not read", hint=did_you_mean(near))
 

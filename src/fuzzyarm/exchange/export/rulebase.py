@@ -34,9 +34,12 @@ _DENSE_HEIGHTS = 120_000_000
 
 _FEWEST_POINTS = 1_024
 _MOST_POINTS = 6_000_000
-_VECTORS = 160
+_VECTORS, _SCATTERED = 160, 80
 _SHARES = (0.02, 0.09, 0.37, 0.91, 0.98)
 """Where points of the self-test lie in a piece between two edges."""
+
+_FAR = 100.0
+"""Widths beyond a range at which no rule may fire: a Gaussian is 0 there, not a subnormal number."""
 
 _AT_ONCE = 16_384
 """Points at which a program runs at a time: its arrays stay in the cache."""
@@ -236,9 +239,11 @@ class DirectRoutine:
         high = variable.high if math.isfinite(variable.high) else corners[-1]
         edges = np.unique([low, *(x for x in corners if low < x < high), high])
         pieces = edges[:-1, None] + np.diff(edges)[:, None] * np.array(_SHARES)
+        width = _FAR * (high - low) if variable.outside == "extend" else 0.0
         return np.unique(
-            [*pieces.ravel(), 2 * low - pieces[0, 1], 2 * high - pieces[-1, -2]]
-        ).astype(self.precision.outside)
+            [*pieces.ravel(), 2 * low - pieces[0, 1], 2 * high - pieces[-1, -2],
+             *([low - width, high + width] if width else [])]
+        ).astype(self.precision.outside)  # fmt: skip
 
     def _axis_points(self, variable: Input, count: int) -> NDArray[Any]:
         """Return even points, the corners of the terms and their neighbours."""
@@ -256,7 +261,8 @@ class DirectRoutine:
         """Return points inside every piece and on both sides of every edge, mixed over the inputs.
 
         A corner of a term shows little of the lines that meet there: a constant that is off by a
-        tenth changes the result between corners.
+        tenth changes the result between corners. Scattered points find the steps of what is
+        sampled, which lie anywhere.
         """
         number = np.arange(_VECTORS)
         inputs = []
@@ -264,7 +270,11 @@ class DirectRoutine:
             points = self._telling_points(variable)
             # Of two inputs all pairs come, in an order that soon has seen every point of each.
             shift = number // points.size if k else 0
-            inputs.append(points[(number * _stride(k, points.size) + shift) % points.size])
+            mixed = points[(number * _stride(k, points.size) + shift) % points.size]
+            inside = points[(points >= variable.low) & (points <= variable.high)]
+            shares = np.sqrt(_PRIMES[k % len(_PRIMES)]) * np.arange(1, 1 + _SCATTERED) % 1.0
+            scattered = inside[0] + shares * (inside[-1] - inside[0])
+            inputs.append(np.concatenate([mixed, scattered.astype(points.dtype)]))
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
         finite = ~np.isnan(expected)
@@ -317,6 +327,9 @@ def direct_routine(
     rounded(finite, types.inside, f"the direct inference of '{target.name}'")
     where = Path(source).name if source is not None else ""
     return DirectRoutine(rulebase, target.name, types, program, where)
+
+
+_PRIMES = (2, 3, 5, 7, 11, 13, 17, 19)
 
 
 def _stride(number: int, count: int) -> int:
