@@ -39,7 +39,7 @@ _SHARES = (0.02, 0.09, 0.37, 0.91, 0.98)
 """Where points of the self-test lie in a piece between two edges."""
 
 _FAR = 100.0
-"""Widths beyond a range at which no rule may fire: a Gaussian is 0 there, not a subnormal number."""
+"""Widths beyond a range, where no rule may fire: a Gaussian is 0 there, not a subnormal number."""
 
 _AT_ONCE = 16_384
 """Points at which a program runs at a time: its arrays stay in the cache."""
