@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 
 from fuzzyarm.base.errors import UsageError, WordError
@@ -52,7 +53,8 @@ def _pairs(words: Iterable[str], valid: tuple[str, ...]) -> Iterator[tuple[str, 
                 name, equals, _ = rest.partition("=")
                 if not equals or not name:
                     message = f"'{rest}' is not an assignment"
-                    raise UsageError(message, hint="write, for instance, e=1.3")
+                    example = shlex.quote(f"{valid[0] if valid else 'e'}=1.3")
+                    raise UsageError(message, hint=f"write, for instance, {example}")
             value, _, rest = rest[len(name) + 1 :].partition(",")
             yield name.strip(), value.strip()
 
