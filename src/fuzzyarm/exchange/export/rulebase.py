@@ -239,11 +239,9 @@ class DirectRoutine:
         high = variable.high if math.isfinite(variable.high) else corners[-1]
         edges = np.unique([low, *(x for x in corners if low < x < high), high])
         pieces = edges[:-1, None] + np.diff(edges)[:, None] * np.array(_SHARES)
-        width = _FAR * (high - low) if variable.outside == "extend" else 0.0
         return np.unique(
-            [*pieces.ravel(), 2 * low - pieces[0, 1], 2 * high - pieces[-1, -2],
-             *([low - width, high + width] if width else [])]
-        ).astype(self.precision.outside)  # fmt: skip
+            [*pieces.ravel(), 2 * low - pieces[0, 1], 2 * high - pieces[-1, -2]]
+        ).astype(self.precision.outside)
 
     def _axis_points(self, variable: Input, count: int) -> NDArray[Any]:
         """Return even points, the corners of the terms and their neighbours."""
@@ -258,11 +256,31 @@ class DirectRoutine:
         return np.unique(np.concatenate([even, close, *around]))
 
     def vectors(self) -> TestPoints:
-        """Return points inside every piece and on both sides of every edge, mixed over the inputs.
+        """Return points inside every piece and on both sides of every edge, and scattered ones.
+
+        Scattered points find the steps of what is sampled, which lie anywhere, and far outside a
+        range that inputs may leave no rule fires.
+        """
+        inputs = []
+        for k, mixed in enumerate(self._mixed()):
+            variable = self.rulebase.inputs[k]
+            inside = mixed[(mixed >= variable.low) & (mixed <= variable.high)]
+            shares = np.sqrt(_PRIMES[k % len(_PRIMES)]) * np.arange(1, 1 + _SCATTERED) % 1.0
+            low, width = inside.min(), np.ptp(inside)
+            far = [low - _FAR * width, low + _FAR * width] if variable.outside == "extend" else []
+            scattered = [*(low + shares * width), *(far or [low, low])]
+            inputs.append(np.array([*mixed, *scattered], mixed.dtype))
+        return self._tested(inputs)
+
+    def pieces(self) -> TestPoints:
+        """Return those of them inside the pieces and on both sides of every edge."""
+        return self._tested(self._mixed())
+
+    def _mixed(self) -> list[NDArray[Any]]:
+        """Return points of every piece of each input, mixed over the inputs.
 
         A corner of a term shows little of the lines that meet there: a constant that is off by a
-        tenth changes the result between corners. Scattered points find the steps of what is
-        sampled, which lie anywhere.
+        tenth changes the result between corners.
         """
         number = np.arange(_VECTORS)
         inputs = []
@@ -270,11 +288,10 @@ class DirectRoutine:
             points = self._telling_points(variable)
             # Of two inputs all pairs come, in an order that soon has seen every point of each.
             shift = number // points.size if k else 0
-            mixed = points[(number * _stride(k, points.size) + shift) % points.size]
-            inside = points[(points >= variable.low) & (points <= variable.high)]
-            shares = np.sqrt(_PRIMES[k % len(_PRIMES)]) * np.arange(1, 1 + _SCATTERED) % 1.0
-            scattered = inside[0] + shares * (inside[-1] - inside[0])
-            inputs.append(np.concatenate([mixed, scattered.astype(points.dtype)]))
+            inputs.append(points[(number * _stride(k, points.size) + shift) % points.size])
+        return inputs
+
+    def _tested(self, inputs: list[NDArray[Any]]) -> TestPoints:
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
         finite = ~np.isnan(expected)

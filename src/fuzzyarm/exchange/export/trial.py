@@ -22,6 +22,7 @@ from fuzzyarm.exchange.export.languages import MODULES, PYTHON
 from fuzzyarm.exchange.export.modules import module_of
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.printer import Printer
+from fuzzyarm.exchange.export.rulebase import DirectRoutine
 from fuzzyarm.exchange.export.steps import Ask, Find, Steps, StepVariable
 from fuzzyarm.exchange.export.table import FixedTable
 from fuzzyarm.exchange.export.typed_program import Program
@@ -345,9 +346,11 @@ def _read(steps: Steps) -> Iterator[list[tuple[str, NDArray[Any]]]]:
     """Yield the inputs of each rule base and table, with values in and between its pieces."""
     for step in steps.steps:
         if isinstance(step, Ask):
-            columns = steps.routines[step.routine].vectors().inputs
+            routine = steps.routines[step.routine]
+            points = routine.pieces() if isinstance(routine, DirectRoutine) else routine.vectors()
+            columns = points.inputs
             telling = [np.unique(column.astype(np.float64)) for column in columns]
-            core = getattr(steps.routines[step.routine], "core", None)
+            core = getattr(routine, "core", None)
             if isinstance(core, FixedTable):
                 scales = core.inputs
                 telling = [scale.quantity(x) for scale, x in zip(scales, telling, strict=True)]
