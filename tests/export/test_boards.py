@@ -64,13 +64,13 @@ def test_a_fis_becomes_a_library_that_the_processor_runs_as_stated(tipper, capsy
     assert (data, bss) == (0, 0), "tables stay in flash"
     assert stated["RAM"][0] == 0
     (routine,) = routines_of(load_file("tipper.fis"), precision="float32")
-    points = list(zip(*(x.tolist() for x in routine.vectors().inputs), strict=True))
+    points = list(zip(*(x.tolist() for x in routine.pieces().inputs), strict=True))  # fit its RAM
     counted = cycles_by_eighths(source, "tipper.h", "float", "tipper_tip", points)
     low, high, over = stated["cycles"][:3]
     assert over < len(counted) == len(points)
-    # The slowest of those that were measured stands for all of the self-test.
-    assert max(counted) / 1.03 < high < max(counted) + 100
-    assert min(counted) - 100 < low
+    # The slowest of those that were measured stands for all points in and between pieces.
+    assert max(counted) / 1.03 < high < 1.03 * max(counted)
+    assert low < min(counted) + 100  # less far outside the ranges
 
 
 def load_file(path):
