@@ -25,8 +25,8 @@ from fuzzyarm.control.controllers.kernel import step
 from fuzzyarm.exchange.export.c import controller_c
 from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.exchange.export.cost import step_cost
-from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.exchange.export.trial import trial
+from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.exchange.files import load
 from fuzzyarm.plant.setting import stored_double
 from fuzzyarm.symbolic.kernels import kernel, routine
