@@ -649,6 +649,7 @@ def test_the_page_outlives_the_server(served, window):
     page.get_by_text("does not answer").wait_for()
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# typed meanwhile\n")
+    page.locator("#status").get_by_text("not saved").wait_for()
     # A key before the answer of the new server, which knows the text without it.
     page.evaluate(
         """() => {

@@ -288,7 +288,9 @@ export class Desk {
     this.dirty = changed;
     this.saving.disabled = !changed || !this.mayWrite();
     this.text.revertible(changed && this.mayWrite());
-    if (!this.lost) this.status.textContent = changed ? S.unsaved : S.saved;
+    if (!this.lost || (changed && this.status.textContent === S.saved)) {
+      this.status.textContent = changed ? S.unsaved : S.saved;
+    }
     this.page.marked();
   };
 
