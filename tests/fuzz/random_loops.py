@@ -67,7 +67,9 @@ from fuzzyarm.plant.own import find_plant  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
 from fuzzyarm.proof.check import Checked, check_certificate  # noqa: E402
 from fuzzyarm.proof.check.certificate import sealed  # noqa: E402
-from fuzzyarm.proof.claim.text import loop_sentence  # noqa: E402
+from fuzzyarm.proof.check.numbers import precisely  # noqa: E402
+from fuzzyarm.proof.check.tube import Followed, Follower  # noqa: E402
+from fuzzyarm.proof.claim.text import loop_sentence, problem_of  # noqa: E402
 from fuzzyarm.proof.loop import (  # noqa: E402
     LoopVerdict,
     read_claim,
@@ -602,8 +604,10 @@ def case(draw: random.Random, told: Told) -> None:
         kind = draw.random()
         if kind < 0.35:
             judge_stable(bench)
-        elif kind < 0.85:
+        elif kind < 0.75:
             judge_bounded(bench)
+        elif kind < 0.85:
+            judge_sets(bench)
         elif kind < 0.93:
             judge_tube(bench)
         else:
@@ -811,6 +815,47 @@ def _rows_of(box: Box) -> tuple[tuple[str, float, float], ...]:
 
 
 EVIDENCE = re.compile(r"([A-Za-z]\w*) = (\S+?)(?:,|$)")
+
+
+@precisely
+def judge_sets(bench: Bench) -> None:
+    """Sets of the checker hold our own runs, sample by sample, until it says that they are lost."""
+    claim = read_claim(f"stable {at_text(bench)}".strip(), "own.py")
+    try:
+        problem = problem_of(bench.controller, claim, plant=bench.plant, **bench.words)
+        follower = Follower(problem)
+    except FuzzyarmError:
+        count("sets refused")
+        return
+    draw, places = bench.draw, [list(bench.loop.plant.states).index(s) for s in problem.states]
+    for _ in range(4):
+        box = {}
+        for name in problem.states:
+            middle = draw.choice([0.0, 0.3, 1.0, 3.0]) * draw.uniform(-1.0, 1.0)
+            half = draw.choice([0.0, 1e-3, 0.05, 0.3]) * draw.random()
+            box[name] = (middle - half, middle + half)
+        states, values = bench.starts(box, {}, 40)
+        course = bench.run(states, values, 25)
+        follower.numbers.sets = 1
+        now = follower._begin([[tuple(map(Fraction, box[name])) for name in problem.states]])
+        for k in range(25):
+            follower.numbers.symbols = max(len(form.weights) for form in now)
+            try:
+                which, now, _ = follower._further(np.arange(1), now, k, "", [Followed(0)])
+            except FuzzyarmError:
+                which = np.arange(0)
+            if not len(which):
+                count("sets lost")
+                break
+            for form, place in zip(now, places, strict=False):
+                low, high, x = form.span.low[0], form.span.high[0], course.states[k + 1][place]
+                room = 10.0 * slack(bench.loop, low, high)
+                seen = x[~course.lost]
+                assert (seen >= low - room).all(), ("a run leaves the sets", k, box)
+                assert (seen <= high + room).all(), ("a run leaves the sets", k, box)
+        else:
+            count("sets hold")
+            assert not course.lost.any(), ("followed, and runs have no value", box)
 
 
 def demand_refuted(
