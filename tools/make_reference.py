@@ -69,7 +69,7 @@ def _command_parts(command: Command, summary: str) -> Iterator[str]:
     for title, arguments in groupby(ordered, key=lambda each: each.group):
         if title:
             yield f"*{title[0].upper()}{title[1:]}*\n"
-        yield "| argument | what it is |\n|---|---|"
+        yield "| argument | meaning |\n|---|---|"
         yield "\n".join(f"| {_names(each)} | {_said(each)} |" for each in arguments) + "\n"
 
 
