@@ -672,6 +672,21 @@ def test_the_page_outlives_the_server(served, window):
     until(lambda: path.read_text().startswith(typed), "saved")
 
 
+def test_margins_come_by_mouse_and_a_short_view_is_brought_into_sight(served, window):
+    (served.folder / "pd7.frb").write_text(shipped("pd7.frb").read_text())
+    page = window(f"{served.address}#file=pd7.frb")
+    page.goto(put(served, "swing.frb", shipped("servo.frb").read_text())[1])
+    until(lambda: page.title().startswith("swing.frb"), "the controller")
+    further(page, "Margins")
+    view = page.locator("#view-margins")
+    view.get_by_role("button", name="Start").click()
+    view.get_by_text("peak sensitivity").first.wait_for()
+    until(lambda: view.locator("canvas").count() == 3, "Bode and Nyquist")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_role("tab", name="Files").click()
+    until(lambda: abs(page.locator("#view-files").bounding_box()["y"]) < 5, "in sight")
+
+
 def test_a_hostile_file_is_text(served, window):
     _, address = put(served, "hostile.frb", HOSTILE)
     page = window(address)
