@@ -36,10 +36,10 @@ def compared(*names, **changed):
         ("pd", 2 * 5, 0),  # two differences, two products, a sum
         ("ie", 2 * 3, 0),  # a difference, a sum, a product
         ("pd+ie", 2 * 8, 0),
-        # In texts the sum of all values that are read, less itself, is 0 unless one is lost: nine
-        # operations for both axes. So is that of what is found, another for each signal and drive.
-        ("fuzzy-lut", 2 * 7 + 9 + 2 * 6, 0),  # a difference, a product each; the converter: three
-        ("pd-motor", 2 * 10 + 9 + 2 * 5, 0),  # four; two products, a sum; the drive: three
+        # In texts the sum of the 17 signals of the arm, less itself, is 0 unless one is lost; so is
+        # the sum of all values, one for each instruction: three operations for the two tests.
+        ("fuzzy-lut", 2 * 7 + 17 + 10 + 3, 0),  # a difference, a product each; the converter: three
+        ("pd-motor", 2 * 10 + 17 + 18 + 3, 0),  # four; two products, a sum; the drive: three
         ("ct", 46, 4),
     ],
 )
