@@ -124,6 +124,19 @@ def test_forms_hold_what_they_are_made_of() -> None:
             assert form.span.low[0] <= expected <= form.span.high[0], name
 
 
+def test_a_factor_that_is_not_known_widens_a_single_term() -> None:
+    numbers = FormNumbers(RuleSurfaces())
+    found = combined((numbers.at(2.0), Spans(0.5, 1.5))).span
+    assert found.low <= 1.0 and found.high >= 3.0
+
+
+def test_a_limit_beyond_another_one_has_its_own_end() -> None:
+    """min(max(x, -10), -5) between -1 and 1 is -1."""
+    numbers = FormNumbers(RuleSurfaces())
+    x = numbers.limit(numbers.limit(numbers.at(0.0, 3.0), -10.0, -5.0), -1.0, 1.0)
+    assert x.ends == (-1.0, -1.0)
+
+
 def test_fewer_symbols_hold_as_much() -> None:
     generator = np.random.default_rng(5)
     numbers = FormNumbers(RuleSurfaces())

@@ -381,7 +381,8 @@ def coverage_words(certificate: Certificate, coverage: float) -> str:
     )
     count = len(certificate.tubes)
     boxes = f"{count} box{'es' * (count != 1)}"
-    share = math.floor(coverage * 1000.0 + 1e-5) / 10.0  # rounded down, except for a rounding
+    # Rounded down, except for a rounding; but 100 % is all of it.
+    share = 100 if coverage == 1.0 else min(math.floor(coverage * 1000.0 + 1e-5) / 10.0, 99.9)
     return f"from {share:g} % of {window} ({boxes}) every run comes to rest"
 
 
@@ -423,6 +424,8 @@ def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) 
     inside = np.zeros(tuple(map(len, lengths)), dtype=bool)
     for row in range(len(lows)):
         inside[tuple(slice(begin[row], end[row]) for begin, end in places)] = True
+    if inside.all():
+        return 1.0
     share = inside.astype(float)
     for length in reversed(lengths):
         share = share @ length

@@ -118,8 +118,9 @@ def combined(*terms: tuple[Form, Any]) -> Form:
     shape = np.broadcast_shapes(*(form.centre.shape for form, _ in terms))
     # Each product and each sum is rounded: two for each term, over the sum of magnitudes.
     rest = (rest + (2 * len(terms)) * ROUNDING * size + np.where(size > 0.0, TINY, 0.0)) * ENLARGED
-    if len(terms) == 1 and np.all(np.abs(near) == 1.0):  # a sign rounds nothing
-        rest = terms[0][0].rest
+    form, factor = terms[0]
+    if len(terms) == 1 and not isinstance(factor, Spans) and np.all(np.abs(near) == 1.0):
+        rest = form.rest  # a sign rounds nothing
     return Form(
         np.broadcast_to(centre, shape), np.broadcast_to(weights, (count, *shape)),
         np.broadcast_to(rest, shape),
@@ -234,7 +235,7 @@ class FormNumbers:
 
     def limit(self, x: Form, low: float, high: float) -> Form:
         """Return ``min(max(x, low), high)``."""
-        ends = max(x.ends[0], low), min(x.ends[1], high)
+        ends = min(max(x.ends[0], low), high), min(max(x.ends[1], low), high)
         for operation, end in (("maximum", low), ("minimum", high)):
             if math.isfinite(end):
                 x = self.apply(operation, [x, self.number(end)])
