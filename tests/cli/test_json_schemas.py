@@ -220,7 +220,7 @@ RARE = {
 }  # fmt: skip
 """Properties that no call here prints."""
 
-NEEDED = {"compile-report": ("gcov", "avr-gcc")}
+NEEDED = {"compile-report": ("gcov", "avr-gcc"), "compile-board": ("avr-gcc",)}
 """Tools that the calls of an output run."""
 
 

@@ -8,6 +8,7 @@ parts stand in variables there: the degrees, the firing strengths, the growing h
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -535,6 +536,8 @@ class _Builder:
             if kind.straight or shape.kind in {"s", "z", "arc"}:  # finite throughout
                 return value
             limit, _ = stand_ins((model.low, model.high, *shape.parameters))
+            if shape.kind == "concave":  # of a degree w it goes as 1/w, and is weighted by w
+                limit = sys.float_info.max
             low, high = constant(-limit), constant(limit)
             return where(value > high, model.high, where(value < low, model.low, value))
         try:

@@ -61,19 +61,19 @@ class float32(floating, float):
 
     def __add__(self, other: Any) -> Any:
         """Round the sum."""
-        return float32(float(self) + other)
+        return float32(float(self) + other) if isinstance(other, float | int) else NotImplemented
 
     def __sub__(self, other: Any) -> Any:
         """Round the difference."""
-        return float32(float(self) - other)
+        return float32(float(self) - other) if isinstance(other, float | int) else NotImplemented
 
     def __mul__(self, other: Any) -> Any:
         """Round the product."""
-        return float32(float(self) * other)
+        return float32(float(self) * other) if isinstance(other, float | int) else NotImplemented
 
     def __truediv__(self, other: Any) -> Any:
         """Round the quotient."""
-        return float32(float(self) / other)
+        return float32(float(self) / other) if isinstance(other, float | int) else NotImplemented
 
     def __neg__(self) -> Any:
         """Turn the sign."""
