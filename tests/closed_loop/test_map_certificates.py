@@ -188,3 +188,65 @@ def test_the_command_writes_and_checks_it_and_the_code_says_it(
     assert main(["compile", "hold.frb", "-o", "h.h", "--certificate", "w.json", "--trust"]) == 0
     head = " ".join((folder / "h.h").read_text().split("#")[0].replace("*", " ").split())
     assert "from 100 % of y in -1.5 .. 1.5" in head
+
+
+def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
+    """y' = u = -y goes to rest from everywhere, but from beyond 1 its error is too large."""
+    text = PLANT.replace("bound=10.0", "error_bound=1.0").replace("0.5 * x[0] + u[0]", "u[0]")
+    (tmp_path / "cliff.py").write_text(text)
+    (tmp_path / "hold.frb").write_text(CONTROLLER)
+    controller = fuzzyarm.load_controller(tmp_path / "hold.frb")
+    plant = find_plant(str(tmp_path / "cliff.py"))
+
+    def verdict_of(claim: str) -> str:
+        return fuzzyarm.prove(controller, claim, plant=plant, budget=5).verdict
+
+    named = f"on '{tmp_path / 'cliff.py'}'"
+    assert verdict_of(f"{named} from y in 1.5 .. 1.6: y in 0 .. 2 during 0 .. 1 s") != "proved"
+    assert verdict_of(f"stable {named} from y in 1.5 .. 1.6") != "proved"
+    assert verdict_of(f"{named} from y in 0.5 .. 0.6: y in 0 .. 1 during 0 .. 1 s") == "proved"
+    found = map_starts(
+        controller, read_claim("stable", str(tmp_path / "cliff.py")), MapSearch(5.0, certify=True),
+        plant=plant,
+    )  # fmt: skip
+    assert found.share("proved") > 0.2
+    assert all(abs(x) <= 1.0 for box in found.boxes if box.verdict == "proved"
+               for x in (*box.low, *box.high))  # fmt: skip
+
+
+def test_a_map_without_a_certificate_says_why(tmp_path: Path) -> None:
+    (tmp_path / "cliff.py").write_text(PLANT)
+    rate = CONTROLLER.replace(
+        "  p = e * 2\n", "  r = rate of e, filter 20 ms\n  p = e * 2 + r * 0.1\n"
+    )
+    (tmp_path / "hold.frb").write_text(rate)
+    found = map_starts(
+        fuzzyarm.load_controller(tmp_path / "hold.frb"),
+        read_claim("stable", str(tmp_path / "cliff.py")), MapSearch(5.0, certify=True),
+        plant=find_plant(str(tmp_path / "cliff.py")),
+    )  # fmt: skip
+    assert found.share("proved") > 0.2
+    assert found.certificate is None
+    assert found.reason.startswith("no certificate of the map was found: ")
+
+
+def test_a_box_of_too_few_states_is_refused(made: tuple[Path, Any]) -> None:
+    folder, _ = made
+    data = json.loads((folder / "map.json").read_text())
+    data["tubes"][0]["box"] = []
+    data.pop("seal")
+    again = checked(folder, sealed(data))
+    assert not again.proved
+    assert "not a box of the plant's states" in again.reason
+
+
+def test_the_time_of_a_map_is_that_of_the_slowest_way_through_its_boxes(
+    made: tuple[Path, Any],
+) -> None:
+    _, found = made
+    tubes = found.certificate.tubes
+    slowest: list[int] = []
+    for tube in tubes:
+        kind, before = tube.into
+        slowest.append(tube.periods + (max(slowest[:before], default=0) if kind == "tubes" else 0))
+    assert found.longest == pytest.approx(0.01 * max(slowest))

@@ -59,7 +59,8 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
         from fuzzyarm.proof.check.certificate import write_certificate
 
         if found.certificate is None or not found.certificate.tubes:
-            say(f"{out}: not written: nothing of the window is proved", to_errors=True)
+            why = found.reason or "nothing of the window is proved"
+            say(f"{out}: not written: {why}", to_errors=True)
         else:
             write_certificate(found.certificate, out)
             if not request.json:
@@ -73,7 +74,10 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
         if not request.json:
             say(f"{request.plot}: drawn from {path}")
     verdicts = {box.verdict for box in found.boxes}
-    return EXIT_REFUTED if "refuted" in verdicts else EXIT_UNDECIDED if "open" in verdicts else 0
+    if "refuted" in verdicts:
+        return EXIT_REFUTED
+    missing = out is not None and found.certificate is None
+    return EXIT_UNDECIDED if "open" in verdicts or missing else 0
 
 
 @contextmanager

@@ -397,9 +397,11 @@ def _coverage(problem: LoopProblem, certificate: Certificate) -> float:
     problem.require_known_start()
     lows, highs = [], []
     for tube in certificate.tubes:
-        box = dict(zip(problem.states, tube.box, strict=False))
+        if len(tube.box) != len(problem.states):
+            raise LoopProofError("it is not a box of the plant's states")
+        box = dict(zip(problem.states, tube.box, strict=True))
         others = [(box[n], problem.start[n].low) for n in problem.states if n not in window]
-        if len(tube.box) == len(problem.states) and all(a <= x <= b for (a, b), x in others):
+        if all(a <= x <= b for (a, b), x in others):
             lows.append([box[name][0] for name in window])
             highs.append([box[name][1] for name in window])
     if not lows:

@@ -274,12 +274,14 @@ class FormNumbers:
         if count > most * size:
             sizes = np.abs(weights)
             share = np.nan_to_num(sizes / np.maximum(sizes.sum(axis=1, keepdims=True), TINY))
-            order = np.argsort(-(share.sum(axis=0) - share.max(axis=0)).sum(axis=1), kind="stable")
-            stay, go = order[: (most // 2) * size], order[(most // 2) * size :]
-            box = sizes[:, go].sum(axis=1) * ENLARGED
+            # Of each set its own, so that it does not matter beside which others it is followed.
+            order = np.argsort(share.max(axis=0) - share.sum(axis=0), axis=0, kind="stable")
+            weights = np.take_along_axis(weights, order[None], axis=1)
+            stay = (most // 2) * size
+            box = np.abs(weights[:, stay:]).sum(axis=1) * ENLARGED
             sides = np.zeros((size, size, box.shape[1]))
             sides[np.arange(size), np.arange(size)] = box
-            weights = np.concatenate([weights[:, stay], sides], axis=1)
+            weights = np.concatenate([weights[:, :stay], sides], axis=1)
         self.symbols = weights.shape[1]
         return [
             Form(form.centre, row, np.zeros_like(form.rest))

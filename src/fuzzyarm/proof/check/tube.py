@@ -496,6 +496,8 @@ def covered(box: Sequence[tuple[Any, Any]], lows: Any, highs: Any) -> bool:
 
     Ends are floats or fractions.
     """
+    if not len(lows):
+        return False
     low, high = (np.array(ends) for ends in zip(*box, strict=True))
     near = ((lows <= high) & (highs >= low)).all(axis=1)
     if not near.any():

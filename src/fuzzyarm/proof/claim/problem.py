@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,7 +25,7 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor, is_whole, periods_of
 from fuzzyarm.plant.equations import expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
-from fuzzyarm.plant.plant import Address, Plant, parameter, with_parameters
+from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
 from fuzzyarm.symbolic.nodes import Node, symbol, symbols
 from fuzzyarm.symbolic.operations import Interval
 
@@ -255,9 +255,25 @@ def loop_problem(
             raise LoopProofError(
                 f"the noise of '{label}' has no bound", hint="a resolution or a delay has one"
             )
+    site = replace(site, interface=_with_error_bounds(interface, set_points))
     return LoopProblem(
         text, plant, site, starts, values, set_points, effective, alone, unknown if alone else ""
     )
+
+
+def _with_error_bounds(interface: Interface, set_points: Mapping[Address, float]) -> Interface:
+    """Return ports whose bounds hold their errors, too: |y| ≤ b − |r| keeps |r − y| ≤ b."""
+    outputs = dict(interface.outputs)
+    for address, port in outputs.items():
+        if math.isinf(port.error_bound):
+            continue
+        room = port.error_bound - abs(set_points.get(address, 0.0))
+        if room <= 0.0:
+            raise LoopProofError(
+                f"the set point of '{interface.label(address)}' is beyond its error bound from 0"
+            )
+        outputs[address] = replace(port, bound=min(port.bound, room))
+    return replace(interface, outputs=outputs)
 
 
 class _Watched(Mapping[str, Any]):

@@ -179,6 +179,9 @@ def certify_map(
                     waiting = [half for tube in waiting for half in _halves(tube, axis)]
     except TimeOverError:
         reasons = {tube.box: "time ran out before the checker had followed it" for tube in waiting}
+    for number, followed in enumerate(follow_tubes(follower, claim, found) if found else (), 1):
+        if followed.against:
+            raise LoopProofError(f"followed anew, box {number} is refused: {followed.against}")
     return replace(whole, tubes=tuple(found)), {
         tube.box: reasons.get(tube.box, "the checker does not follow it") for tube in waiting
     }
@@ -195,7 +198,8 @@ def _arriving(
             waiting.append(tube)
             reasons[tube.box] = followed.against
         else:
-            found.append(tube._replace(periods=followed.periods))
+            # Beside other boxes its symbols may be taken together otherwise, and arrive later.
+            found.append(tube._replace(periods=followed.periods + 5 + followed.periods // 8))
     return waiting
 
 

@@ -559,6 +559,7 @@ class _Map:
         self.drawn: list[tuple[tuple[float, ...], bool]] = []
         self.told = -math.inf
         self.certificate: Certificate | None = None
+        self.refused = False
 
     def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
         """Yield the ranges of the outputs that are states."""
@@ -596,11 +597,15 @@ class _Map:
         finally:
             if self.journal is not None:
                 self.journal.close()
+        reason = ""
         if self.search.certify:
-            self._certify(verdict.certificate)
+            try:
+                self._certify(verdict.certificate)
+            except LoopProofError as error:
+                self.refused, reason = True, f"no certificate of the map was found: {error}"
         if self.search.runs:
             self._draw()
-        return self._map()
+        return self._map(reason)
 
     def _certify(self, region: Certificate) -> None:
         """Leave as proved what the checker follows, and keep that as the certificate."""
@@ -626,7 +631,12 @@ class _Map:
             return MappedBox(low, high, verdict, periods, reason)
 
         self.boxes = [box for box in self.boxes if box.verdict != PROVED]
-        self.boxes += [mapped(t.box, PROVED, t.periods, "") for t in self.certificate.tubes]
+        latest: list[int] = []  # of each box and those before it: into the region, by way of boxes
+        for tube in self.certificate.tubes:
+            kind, before = tube.into
+            on = latest[before - 1] if kind == "tubes" and before else 0
+            self.boxes.append(mapped(tube.box, PROVED, tube.periods + on, ""))
+            latest.append(max(tube.periods + on, latest[-1] if latest else 0))
         self.boxes += [
             mapped(box, OPEN, 0, f"the checker does not follow it: {reason}")
             for box, reason in lost.items()
@@ -634,6 +644,8 @@ class _Map:
 
     def _map(self, reason: str = "") -> StartMap:
         verdict, certificate = self.region, self.certificate or self.region.certificate
+        if self.refused:
+            certificate = None
         settled = [at for at, came in self.drawn if came]
         proved = [box for box in self.boxes if box.verdict == PROVED]
         lows = np.array([box.low for box in proved]).reshape(-1, len(self.window))
