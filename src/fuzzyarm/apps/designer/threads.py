@@ -13,6 +13,8 @@ import sys
 import threading
 from collections.abc import Callable, Coroutine
 from concurrent.futures import Future
+from functools import cache
+from importlib import import_module
 from typing import Any, Generic, ParamSpec, TypeVar
 
 __all__ = ["Mailbox", "aside", "can_take_turns", "run_to_its_end", "wait_for"]
@@ -22,9 +24,30 @@ IN_A_PAGE = sys.platform == "emscripten"
 TURN = 0.004
 """Seconds between two looks of work that waits, where there are no threads."""
 
+ANSWERING = (
+    "fuzzyarm.control.controllers",
+    "fuzzyarm.control.loop",
+    "fuzzyarm.exchange.export",
+    "fuzzyarm.learning.tuning",
+    "fuzzyarm.proof.loop",
+)
+"""Packages that answers need."""
+
 Result = TypeVar("Result")
 Letter = TypeVar("Letter")
 Arguments = ParamSpec("Arguments")
+
+
+@cache
+def load_answering() -> None:
+    """Import what threads need before there are any.
+
+    A thread that imports a module locks it before its package, one that imports the package locks
+    them the other way round: Python sees that they wait for each other, and gives one of them half
+    a module.
+    """
+    for package in ANSWERING:
+        import_module(package)
 
 
 async def aside(
@@ -34,6 +57,7 @@ async def aside(
     if IN_A_PAGE:
         await asyncio.sleep(0.0)
         return function(*args, **named)
+    load_answering()
     return await asyncio.to_thread(function, *args, **named)
 
 
@@ -51,6 +75,7 @@ async def run_to_its_end(function: Callable[[], Result]) -> Result:
     if IN_A_PAGE:
         await asyncio.sleep(0.0)
         return function()
+    load_answering()
     ended: Future[Result] = Future()
 
     def work() -> None:
