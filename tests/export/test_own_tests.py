@@ -94,3 +94,13 @@ def test_rust_needs_core_alone(tmp_path):
         paths.append(tmp_path / f"{name.replace('-', '_')}.rs")
         assert main(["compile", str(shipped(f"{name}.frb")), "-o", str(paths[-1])]) == 0
     assert failing_in_rust(paths, tmp_path, core_alone=True) == []
+
+
+@pytest.mark.parametrize("name", ["a b.h", "it's.c"])
+def test_the_command_in_the_head_runs_whatever_the_name(tmp_path, name):
+    c_programs.need(c_programs.HOST)
+    assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / name)]) == 0
+    text = " ".join((tmp_path / name).read_text("utf-8").split("*/")[0].split())
+    command = text.partition("returns 0 if all is well): ")[2].partition("./self_test")[0]
+    command = command.replace(" * ", " ").replace("gcc", c_programs.HOST)
+    subprocess.run(f"{command}./self_test", shell=True, cwd=tmp_path, check=True)

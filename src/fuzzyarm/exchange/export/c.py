@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from shlex import quote
 from typing import NamedTuple
 
 import numpy as np
@@ -602,8 +603,8 @@ def _written(
         test = f": {stem}.c {stem}_self_test.c, and call {printer.self_test}()"
     else:
         # Without -x gcc would precompile a header rather than compile it as a program.
-        source, library = f"{stem}.c", " -lm" * calls_functions
-        source = f"-x c {stem}.h" if form == ".h" else source
+        source, library = quote(f"{stem}{form}"), " -lm" * calls_functions
+        source = f"-x c {source}" if form == ".h" else source
         command = f"gcc -std=c99 -ffp-contract=off -D{SWITCH} {source} -o self_test{library}"
         test = f" (returns 0 if all is well): {command} && ./self_test"
     top = head(_Text(prototypes, uses[form], test))

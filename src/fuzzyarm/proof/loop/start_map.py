@@ -174,8 +174,9 @@ class StartMap(Shown):
 
     @property
     def open(self) -> float:
-        """The share of which nothing is known."""
-        return self.share(OPEN)
+        """The share of which nothing is known, what is not looked at yet included."""
+        rest = 1.0 - self.decided
+        return max(self.share(OPEN), rest if rest > 1e-9 else 0.0)
 
     @property
     def decided(self) -> float:
