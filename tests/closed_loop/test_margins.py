@@ -290,3 +290,12 @@ def test_an_unstable_loop_is_said_with_its_radius(capsys, tmp_path):
     path.write_text(text, encoding="utf-8")
     assert main(["margins", str(path), "--plant", "cartpole"]) == 3
     assert "not stable, the spectral radius is 1." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("warm", [18.0, 20.0, 28.0, 31.7, 40.0])
+def test_a_rest_with_small_memory_beside_large_states_is_found(warm):
+    """Roundings of the temperature move its rate: steps to the rest stay above 1e-12 of it."""
+    heater, room = load(shipped("heater.frb")), find_plant("room")
+    loop = linearised(loop_problem(heater, room, set_point={"temperature": warm}))
+    found = margins_of(loop.opened(loop.drives[0]))
+    assert found.gain == pytest.approx(1438.0, rel=1e-3)

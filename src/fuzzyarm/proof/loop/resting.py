@@ -68,6 +68,7 @@ def rest_in_floats(
 
     y = np.array([*_guess(problem), *(0.0 for _ in memory)])
     scale = np.maximum(np.abs(y), 1.0)
+    last = math.inf
     for _ in range(STEPS):
         try:
             f = motion(y)
@@ -84,8 +85,11 @@ def rest_in_floats(
             np.abs(y[: len(problem.states)]), 0.01
         )
         y = y + step * min(1.0, 0.5 / max(float(first.max(initial=0.0)), 0.5))
-        if np.abs(step / np.maximum(np.abs(y), 1e-3)).max() < 1e-12:
+        size = float(np.abs(step / np.maximum(np.abs(y), 1e-3)).max())
+        # Roundings of what is large move what is small: then steps no longer become smaller.
+        if size < 1e-12 or last <= size < 1e-9:
             return dict(zip(names, y.tolist(), strict=True))
+        last = size
     raise LoopProofError("it was not found where the loop rests")
 
 
