@@ -111,6 +111,6 @@ def controller_lines(exported: ExportedController) -> list[str]:
     return [
         *_sizes(exported.files),
         *exported.calls,
-        f"  worst difference to the controller in double precision: {worst}"
+        f"  worst difference to {exported.program.reference}: {worst}"
         f" ({len(trial_run.vectors.expected)} periods, drives up to {largest})",
     ]

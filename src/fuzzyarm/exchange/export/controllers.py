@@ -210,6 +210,16 @@ class ControllerProgram:
         loose = 4096.0 if self.precision == "float32" else 16.0
         return loose * 16.0 if self.steps.calls_functions else loose
 
+    @property
+    def reference(self) -> str:
+        """The controller that the exported one is compared with: it has the same tables."""
+        with_tables = any(
+            isinstance(sheet, LookupTable)
+            for sheets in self.text.sheets.values()
+            for sheet in sheets
+        )
+        return f"the controller{' with these tables' * with_tables} in double precision"
+
     def head(self) -> list[str]:
         """Return the lines at the head of an exported file."""
         model, steps = self.text.model, self.steps
@@ -222,7 +232,7 @@ class ControllerProgram:
             *self._port_words(),
             *self._sheet_words(),
             steps.precision.words + (" for signals" if self.q is not None else ""),
-            f"worst difference to the controller in double precision: {self.tried.worst:.3g}"
+            f"worst difference to {self.reference}: {self.tried.worst:.3g}"
             f" ({len(self.tried.vectors.expected)} periods, drives up to {self.tried.largest:.3g})",
         ]
         if steps.calls_functions:
