@@ -16,7 +16,7 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.plant import find_plant
 from fuzzyarm.proof.check import Checked, check_certificate, write_certificate
 from fuzzyarm.proof.check.certificate import sealed
-from fuzzyarm.proof.loop import MapSearch, map_starts, read_claim
+from fuzzyarm.proof.loop import MapSearch, StartMap, map_starts, read_claim
 
 PLANT = """from fuzzyarm.plant import Plant, Port
 
@@ -47,15 +47,22 @@ axis a
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
     """y' = y/2 + u, |u| ≤ 1: from |y| < 2 all come back, from beyond none."""
     folder = tmp_path_factory.mktemp("map")
-    (folder / "cliff.py").write_text(PLANT)
-    (folder / "hold.frb").write_text(CONTROLLER)
-    plant = str(folder / "cliff.py")
-    found = map_starts(
-        fuzzyarm.load_controller(folder / "hold.frb"), read_claim("stable", plant),
-        MapSearch(6.0, certify=True), plant=find_plant(plant),
-    )  # fmt: skip
+    found = mapped(folder, budget=6.0)
     write_certificate(found.certificate, str(folder / "map.json"))
     return folder, found
+
+
+def mapped(
+    folder: Path, *, plant: str = PLANT, controller: str = CONTROLLER, budget: float = 5.0
+) -> StartMap:
+    """Write a plant and a controller into a folder, and map their starts with a certificate."""
+    (folder / "cliff.py").write_text(plant)
+    (folder / "hold.frb").write_text(controller)
+    path = str(folder / "cliff.py")
+    return map_starts(
+        fuzzyarm.load_controller(folder / "hold.frb"), read_claim("stable", path),
+        MapSearch(budget, certify=True), plant=find_plant(path),
+    )  # fmt: skip
 
 
 def checked(folder: Path, data: dict[str, Any]) -> Checked:
@@ -193,8 +200,7 @@ def test_the_command_writes_and_checks_it_and_the_code_says_it(
 def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
     """y' = u = -y goes to rest from everywhere, but from beyond 1 its error is too large."""
     text = PLANT.replace("bound=10.0", "error_bound=1.0").replace("0.5 * x[0] + u[0]", "u[0]")
-    (tmp_path / "cliff.py").write_text(text)
-    (tmp_path / "hold.frb").write_text(CONTROLLER)
+    found = mapped(tmp_path, plant=text)
     controller = fuzzyarm.load_controller(tmp_path / "hold.frb")
     plant = find_plant(str(tmp_path / "cliff.py"))
 
@@ -205,26 +211,16 @@ def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
     assert verdict_of(f"{named} from y in 1.5 .. 1.6: y in 0 .. 2 during 0 .. 1 s") != "proved"
     assert verdict_of(f"stable {named} from y in 1.5 .. 1.6") != "proved"
     assert verdict_of(f"{named} from y in 0.5 .. 0.6: y in 0 .. 1 during 0 .. 1 s") == "proved"
-    found = map_starts(
-        controller, read_claim("stable", str(tmp_path / "cliff.py")), MapSearch(5.0, certify=True),
-        plant=plant,
-    )  # fmt: skip
     assert found.share("proved") > 0.2
     assert all(abs(x) <= 1.0 for box in found.boxes if box.verdict == "proved"
                for x in (*box.low, *box.high))  # fmt: skip
 
 
 def test_a_map_without_a_certificate_says_why(tmp_path: Path) -> None:
-    (tmp_path / "cliff.py").write_text(PLANT)
     rate = CONTROLLER.replace(
         "  p = e * 2\n", "  r = rate of e, filter 20 ms\n  p = e * 2 + r * 0.1\n"
     )
-    (tmp_path / "hold.frb").write_text(rate)
-    found = map_starts(
-        fuzzyarm.load_controller(tmp_path / "hold.frb"),
-        read_claim("stable", str(tmp_path / "cliff.py")), MapSearch(5.0, certify=True),
-        plant=find_plant(str(tmp_path / "cliff.py")),
-    )  # fmt: skip
+    found = mapped(tmp_path, controller=rate)
     assert found.share("proved") > 0.2
     assert found.certificate is None
     assert found.reason.startswith("no certificate of the map was found: ")

@@ -54,6 +54,20 @@ def lazily(
     return get, names
 
 
+# --- Threads that import ---
+
+
+def load_packages(*packages: str) -> None:
+    """Import packages that threads need, before there are any.
+
+    A thread that imports a module locks it before its package, one that imports the package locks
+    them the other way round: Python sees that they wait for each other, and gives one of them half
+    a module.
+    """
+    for package in packages:
+        import_module(package)
+
+
 # --- Processes that fork ---
 
 _LONGEST_WAIT = 10.0

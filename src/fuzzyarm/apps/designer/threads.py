@@ -13,9 +13,9 @@ import sys
 import threading
 from collections.abc import Callable, Coroutine
 from concurrent.futures import Future
-from functools import cache
-from importlib import import_module
 from typing import Any, Generic, ParamSpec, TypeVar
+
+from fuzzyarm.base.lazy import load_packages
 
 __all__ = ["Mailbox", "aside", "can_take_turns", "run_to_its_end", "wait_for"]
 
@@ -31,23 +31,11 @@ ANSWERING = (
     "fuzzyarm.learning.tuning",
     "fuzzyarm.proof.loop",
 )
-"""Packages that answers need."""
+"""Packages that answers need (:func:`~fuzzyarm.base.lazy.load_packages`)."""
 
 Result = TypeVar("Result")
 Letter = TypeVar("Letter")
 Arguments = ParamSpec("Arguments")
-
-
-@cache
-def load_answering() -> None:
-    """Import what threads need before there are any.
-
-    A thread that imports a module locks it before its package, one that imports the package locks
-    them the other way round: Python sees that they wait for each other, and gives one of them half
-    a module.
-    """
-    for package in ANSWERING:
-        import_module(package)
 
 
 async def aside(
@@ -57,7 +45,7 @@ async def aside(
     if IN_A_PAGE:
         await asyncio.sleep(0.0)
         return function(*args, **named)
-    load_answering()
+    load_packages(*ANSWERING)
     return await asyncio.to_thread(function, *args, **named)
 
 
@@ -75,7 +63,7 @@ async def run_to_its_end(function: Callable[[], Result]) -> Result:
     if IN_A_PAGE:
         await asyncio.sleep(0.0)
         return function()
-    load_answering()
+    load_packages(*ANSWERING)
     ended: Future[Result] = Future()
 
     def work() -> None:

@@ -16,6 +16,7 @@ from pygls.uris import to_fs_path
 
 from fuzzyarm.apps.lsp.protocol import Converter
 from fuzzyarm.apps.lsp.session import SLOW, UTF16, Session
+from fuzzyarm.base.lazy import load_packages
 from fuzzyarm.version import __version__
 
 
@@ -207,6 +208,7 @@ class FuzzyarmServer(LanguageServer):
                 raise _OutdatedError
 
         copy = text.copy()
+        load_packages("fuzzyarm.control.controllers")
         try:
             await asyncio.to_thread(copy.review, stop_if_outdated)
         except _OutdatedError:

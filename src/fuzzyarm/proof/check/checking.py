@@ -49,6 +49,7 @@ __all__ = [
     "ends_of_boxes",
     "follow_tubes",
     "proof_words",
+    "refused_box",
     "region_lines",
 ]
 
@@ -303,10 +304,9 @@ class _Proof:
     def _follow(self, havens: Sequence[Haven], tubes: Sequence[TubeProof]) -> None:
         """Follow all boxes; a claim of starts needs all of them in the boxes."""
         problem, claim = self.problem, self.claim
-        found = follow_tubes(Follower(problem, havens, self.surfaces), claim, tubes)
-        for number, followed in enumerate(found, 1):
-            if followed.against:
-                raise LoopProofError(f"box {number}: {followed.against}")
+        refused = refused_box(Follower(problem, havens, self.surfaces), claim, tubes)
+        if refused is not None:
+            raise LoopProofError("box {}: {}".format(*refused))
         if claim.start or claim.output:
             start = [(Fraction(x.low), Fraction(x.high)) for x in problem.start.values()]
             boxes = np.array([tube.box for tube in tubes], dtype=object)
@@ -347,6 +347,14 @@ def follow_tubes(
         ):
             found[number] = followed
     return found
+
+
+def refused_box(
+    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]
+) -> tuple[int, str] | None:
+    """Return the number of the first box that does not arrive, and why; None where all do."""
+    found = enumerate(follow_tubes(follower, claim, tubes), 1)
+    return next(((number, each.against) for number, each in found if each.against), None)
 
 
 def _into_region(follower: Follower, claim: LoopClaim, index: int) -> Task:

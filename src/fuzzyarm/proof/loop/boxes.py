@@ -19,7 +19,7 @@ from fuzzyarm.proof.check.certificate import (
     fingerprints_of,
     sensors_by_name,
 )
-from fuzzyarm.proof.check.checking import ends_of_boxes, follow_tubes
+from fuzzyarm.proof.check.checking import ends_of_boxes, follow_tubes, refused_box
 from fuzzyarm.proof.check.region import accepted
 from fuzzyarm.proof.check.tube import Follower, Haven, Task
 from fuzzyarm.proof.claim.identity import loop_digests
@@ -179,9 +179,9 @@ def certify_map(
                     waiting = [half for tube in waiting for half in _halves(tube, axis)]
     except TimeOverError:
         reasons = {tube.box: "time ran out before the checker had followed it" for tube in waiting}
-    for number, followed in enumerate(follow_tubes(follower, claim, found) if found else (), 1):
-        if followed.against:
-            raise LoopProofError(f"followed anew, box {number} is refused: {followed.against}")
+    refused = refused_box(follower, claim, found) if found else None
+    if refused is not None:
+        raise LoopProofError("followed anew, box {} is refused: {}".format(*refused))
     return replace(whole, tubes=tuple(found)), {
         tube.box: reasons.get(tube.box, "the checker does not follow it") for tube in waiting
     }

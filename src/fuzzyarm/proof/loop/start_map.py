@@ -560,7 +560,6 @@ class _Map:
         self.drawn: list[tuple[tuple[float, ...], bool]] = []
         self.told = -math.inf
         self.certificate: Certificate | None = None
-        self.refused = False
 
     def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
         """Yield the ranges of the outputs that are states."""
@@ -581,7 +580,7 @@ class _Map:
             sensors=self.sensors, budget=0.5 * self.search.budget,
         )  # fmt: skip
         self.work += verdict.work
-        self.region = verdict
+        self.region, self.certificate = verdict, verdict.certificate
         if verdict.certificate is None:
             low, high = zip(*self.window.values(), strict=True)
             self.boxes = [MappedBox(low, high, OPEN, 0, verdict.reason)]
@@ -603,7 +602,8 @@ class _Map:
             try:
                 self._certify(verdict.certificate)
             except LoopProofError as error:
-                self.refused, reason = True, f"no certificate of the map was found: {error}"
+                self.certificate = None
+                reason = f"no certificate of the map was found: {error}"
         if self.search.runs:
             self._draw()
         return self._map(reason)
@@ -644,9 +644,7 @@ class _Map:
         ]
 
     def _map(self, reason: str = "") -> StartMap:
-        verdict, certificate = self.region, self.certificate or self.region.certificate
-        if self.refused:
-            certificate = None
+        verdict = self.region
         settled = [at for at, came in self.drawn if came]
         proved = [box for box in self.boxes if box.verdict == PROVED]
         lows = np.array([box.low for box in proved]).reshape(-1, len(self.window))
@@ -663,7 +661,7 @@ class _Map:
             boxes=tuple(self.boxes),
             region=verdict.region,
             rest=verdict.rest,
-            certificate=certificate,
+            certificate=self.certificate,
             starts=len(self.drawn),
             settled=len(settled),
             settled_proved=within,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import operator
 import struct
+from collections.abc import Callable
 from typing import Any
 
 __all__ = [
@@ -61,19 +63,25 @@ class float32(floating, float):
 
     def __add__(self, other: Any) -> Any:
         """Round the sum."""
-        return float32(float(self) + other) if isinstance(other, float | int) else NotImplemented
+        return self._rounded(operator.add, other)
 
     def __sub__(self, other: Any) -> Any:
         """Round the difference."""
-        return float32(float(self) - other) if isinstance(other, float | int) else NotImplemented
+        return self._rounded(operator.sub, other)
 
     def __mul__(self, other: Any) -> Any:
         """Round the product."""
-        return float32(float(self) * other) if isinstance(other, float | int) else NotImplemented
+        return self._rounded(operator.mul, other)
 
     def __truediv__(self, other: Any) -> Any:
         """Round the quotient."""
-        return float32(float(self) / other) if isinstance(other, float | int) else NotImplemented
+        return self._rounded(operator.truediv, other)
+
+    def _rounded(self, operation: Callable[[float, float], float], other: Any) -> Any:
+        # Arrays have operations of their own.
+        if not isinstance(other, float | int):
+            return NotImplemented
+        return float32(operation(float(self), other))
 
     def __neg__(self) -> Any:
         """Turn the sign."""
