@@ -78,6 +78,7 @@ def test_what_is_proved_is_what_the_checker_follows(made: tuple[Path, Any]) -> N
     assert again.boxes == sum(box.verdict == "proved" for box in found.boxes)
     assert again.coverage == pytest.approx(found.share("proved"), abs=1e-6)
     assert again.coverage >= 0.4
+    assert found.verdict == "refuted"  # from beyond 2
     assert f"from {np.floor(again.coverage * 1000) / 10:g} % of y in -4 .. 4" in again.statement
     assert all(abs(x) <= 2.0 for box in found.boxes if box.verdict == "proved"
                for x in (*box.low, *box.high))  # fmt: skip

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.command import UsageError, WordError, print_json, say
 from fuzzyarm.apps.cli.prove_sectors import (
-    EXIT_REFUTED,
     EXIT_UNDECIDED,
     ProveWords,
     exit_status,
@@ -73,11 +72,8 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
         save_figure(chart_figure(map_chart(found)), request.plot)
         if not request.json:
             say(f"{request.plot}: drawn from {path}")
-    verdicts = {box.verdict for box in found.boxes}
-    if "refuted" in verdicts:
-        return EXIT_REFUTED
-    missing = out is not None and found.certificate is None
-    return EXIT_UNDECIDED if "open" in verdicts or missing else 0
+    missing = EXIT_UNDECIDED if out is not None and found.certificate is None else 0
+    return exit_status(found.verdict) or missing
 
 
 @contextmanager

@@ -265,9 +265,8 @@ class _LoopProof:
         self._require_plant(request.plant or "")
         with at_field("over"):
             found = map_of(request, self.text, watch)
-        open_ = any(box.verdict == "open" for box in found.boxes)
         lines = [str(found), f"  {found.seconds:.1f} s"]
-        tell_result(self.job, lines, [map_chart(found)], verdict="undecided" if open_ else "proved")
+        tell_result(self.job, lines, [map_chart(found)], verdict=found.verdict)
 
     def _sectors(self) -> None:
         """Prove the static part: ranges, limits, gains and sectors of the drives."""

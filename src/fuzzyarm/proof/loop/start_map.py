@@ -184,6 +184,12 @@ class StartMap(Shown):
         return self.proved + self.refuted
 
     @property
+    def verdict(self) -> str:
+        """``refuted`` if runs of a box are lost, ``undecided`` if one is open, else ``proved``."""
+        found = {box.verdict for box in self.boxes}
+        return REFUTED if REFUTED in found else "undecided" if OPEN in found else PROVED
+
+    @property
     def covered(self) -> float:
         """The share of drawn starts at rest in the end that begin in proved boxes; NaN: of none."""
         return self.settled_proved / self.settled if self.settled else math.nan
