@@ -98,14 +98,14 @@ def test_a_stiff_loop_is_proved_up_to_its_limit(tmp_path: Path) -> None:
     assert proved(proportional(tmp_path, 0.99), "stable", plant).verdict == "proved"
     refuted = proved(proportional(tmp_path, 1.01), "stable", plant)
     assert refuted.verdict == "refuted"
-    assert refuted.evidence[-1] == "next to rest a deviation grows at least 1.01 times in each period"
+    assert refuted.evidence[-1] == "next to rest a deviation grows at least 1.01 times per period"
 
 
 def test_an_unstable_loop_is_refuted_without_a_run_that_goes_far(tmp_path: Path) -> None:
     plant = lag(tmp_path, "u[0]")  # next y = -1.0001 y: within a second 1.01 times as much
     refuted = proved(proportional(tmp_path, 200.01), "stable", plant)
     assert refuted.verdict == "refuted"
-    assert refuted.evidence == ("next to rest a deviation grows at least 1.0001 times in each period",)
+    assert refuted.evidence == ("next to rest a deviation grows at least 1.0001 times per period",)
     assert proved(proportional(tmp_path, 199.99), "stable", plant).verdict == "proved"
 
 

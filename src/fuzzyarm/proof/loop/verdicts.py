@@ -414,7 +414,7 @@ class _Case:
             least = growth(loop, Stop(min(EIGENVALUES, self.stop.left)))
         except (FuzzyarmError, EnclosureError):
             return None
-        grows = f"next to rest a deviation grows at least {least:.6g} times in each period"
+        grows = f"next to rest a deviation grows at least {least:.6g} times per period"
         return self._said(REFUTED, evidence=(grows,)) if least else None
 
 
