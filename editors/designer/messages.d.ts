@@ -202,12 +202,6 @@ declare namespace Messages {
     cell: Array<number>;
   }
 
-  /** What is wrong with a form that the user is filling in. */
-  interface FormQuestion {
-    form: string;
-    values: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
-  }
-
   /** A new file of a kind, or of an example; a controller around a rule base. */
   interface NewFile {
     name: string;
@@ -231,6 +225,13 @@ declare namespace Messages {
   /** A file of another program that stands in the folder. */
   interface Convert {
     name: string;
+  }
+
+  /** What is wrong with a form that the user is filling in, and of which file it is. */
+  interface FormQuestion {
+    file: string;
+    form: string;
+    values: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
   /** Which inputs lie across and up, by name, and the values of the others. */
@@ -749,7 +750,6 @@ declare namespace Messages {
     "table": TablePage;
     "table-cell": TableCell;
     "exports": BareMessage;
-    "judge": FormQuestion;
   }
 
   interface FolderQuestions {
@@ -765,6 +765,7 @@ declare namespace Messages {
     "findings": OfFile;
     "import": Import;
     "convert": Convert;
+    "judge": FormQuestion;
   }
 
   interface Works {

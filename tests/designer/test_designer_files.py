@@ -153,7 +153,7 @@ def test_with_one_file_open_nothing_stands_beside_it(folder):
 
 OF_RULES = [
     (".h", {}, []),
-    (".h", {"direct": True, "precision": "float64", "name": "joint"},
+    (".h", {"way": "rules", "precision": "float64", "name": "joint"},
      ["--direct", "--precision", "float64", "--name", "joint"]),
     (".c", {"q": "15", "levels": "e = 9, ce = -6 .. 6 step 2", "mode": "linear"},
      ["--q", "15", "--levels", "e = 9, ce = -6 .. 6 step 2", "--mode", "linear"]),
@@ -189,8 +189,8 @@ def test_an_export_is_the_file_of_the_command(folder, monkeypatch, suffix, optio
 
 
 @pytest.mark.parametrize(("suffix", "options", "words"), [
-    (".h", {"direct": True}, []),
-    (".c", {"table": True, "levels": "9", "mode": "linear"},
+    (".h", {"way": "rules"}, []),
+    (".c", {"way": "table", "levels": "9", "mode": "linear"},
      ["--table", "--levels", "9", "--mode", "linear"]),
     (".st", {}, []),
 ])  # fmt: skip
@@ -257,7 +257,7 @@ def test_what_cannot_be_exported_is_refused_in_words(folder, monkeypatch):
     wide = "rulebase wide\n" + "".join(f"input {n} 0 .. 1\n" for n in inputs) + "output y 0 .. 1\n"
     wide += f"terms {', '.join([*inputs, 'y'])}: triangles A B\n"
     wide += f"rule if {' and '.join(f'{n} is A' for n in inputs)} then y is A\n"
-    assert "cells; at most" in refused(wide, ".h", {"table": True})
+    assert "cells; at most" in refused(wide, ".h", {"way": "table"})
     servo = (folder / "servo.frb").read_text()
     with confined(folder):
         assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")

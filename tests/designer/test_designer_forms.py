@@ -10,10 +10,13 @@ from fuzzyarm.apps.cli.main import main
 from fuzzyarm.apps.designer.exports import forms_of
 from fuzzyarm.apps.designer.forms import FORMS, judged
 from fuzzyarm.apps.designer.records import MessageError
+from fuzzyarm.apps.designer.stage import Plants
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.requests.fields import fields_of
 from fuzzyarm.requests.schema import form_fields
+
+PLANTS = Plants()
 
 
 def session(name):
@@ -71,7 +74,7 @@ def test_a_title_is_the_word_of_the_option():
     ],
 )
 def test_a_field_says_what_the_command_says(form, field, value, option, capsys):
-    wrong = judged(form, {field: value}, Path())
+    wrong = judged(form, {field: value}, Path(), PLANTS)
     assert wrong["field"] == field
     command = {"run": "simulate"}.get(form, form)
     main([command, "servo", f"{option}={value}"])
@@ -79,20 +82,39 @@ def test_a_field_says_what_the_command_says(form, field, value, option, capsys):
     assert f"{option} {wrong['message'].removeprefix(f'{field} ')}" in printed
 
 
+@pytest.mark.parametrize(
+    ("form", "field", "value", "option"),
+    [
+        ("run", "duration", "abc", "--for"),
+        ("run", "reference", "position=wave:1", "--reference"),
+        ("run", "noise", "speed=1", "--noise"),
+        ("tune", "vary", "J=x", "--vary"),
+        ("sweep", "sweep", "G_e=abc", "--sweep"),
+    ],
+)
+def test_a_word_of_an_experiment_is_judged_on_its_plant(form, field, value, option, capsys):
+    wrong = judged(form, {"plant": "motor", field: value}, Path(), PLANTS)
+    command = {"run": "simulate"}.get(form, form)
+    main([command, str(shipped("servo.frb")), "--plant", "motor", option, value])
+    printed = " ".join(capsys.readouterr().err.split()).replace("--for takes", "the duration takes")
+    assert wrong["field"] == field
+    assert wrong["message"] in printed
+
+
 def test_what_a_form_does_not_offer_is_not_asked_for():
     """A page may not name files to be written, nor where work is done."""
-    assert judged("tune", {"out": "/x.frb", "dask": "tcp://x", "evals": "9"}, Path()) == {}
+    assert judged("tune", {"out": "/x.frb", "dask": "tcp://x", "evals": "9"}, Path(), PLANTS) == {}
     asked = FORMS["tune"].request({"out": "/x.frb", "dask": "tcp://x"}, Path(), file="y.frb")
     assert (asked.file, asked.out, asked.dask) == ("y.frb", None, None)
     with pytest.raises(MessageError, match="is not a form"):
-        judged("dance", {}, Path())
+        judged("dance", {}, Path(), PLANTS)
 
 
 def test_a_file_of_a_signal_stands_in_the_folder(tmp_path):
     for value in ("position=/etc/x.csv", ["position=../x.csv"]):
-        wrong = judged("run", {"reference": value}, tmp_path)
+        wrong = judged("run", {"reference": value}, tmp_path, PLANTS)
         assert (wrong["field"], "is not a file of this folder" in wrong["message"]) == (
             "reference",
             True,
         )
-    assert judged("run", {"reference": "position=x.csv"}, tmp_path) == {}
+    assert judged("run", {"reference": "position=x.csv"}, tmp_path, PLANTS) == {}

@@ -98,7 +98,7 @@ def test_each_question_and_each_work_has_its_record_and_its_handler():
     from fuzzyarm.apps.designer import folder, open_files, shared
 
     assert set(shared._QUESTIONS) == set(requests.TEXT_QUESTIONS)
-    apart = {"findings", "import", "convert"}  # the server does these beside the answering
+    apart = {"findings", "import", "convert", "judge"}  # the server does these beside the answering
     assert set(folder._ACTS) == set(requests.FOLDER_QUESTIONS) - apart
     assert set(open_files._COMMANDS) == set(requests.COMMANDS)
     of_plants = {"run", "plants"}

@@ -726,14 +726,18 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# mine\n")
     page.get_by_role("button", name="C header").click()
-    page.locator("dialog").get_by_label("Direct").check()
+    way, levels = (page.locator("dialog").get_by_label(each) for each in ("Computed", "Points"))
+    way.select_option("table")
+    assert levels.is_visible()
+    way.select_option("rules")
+    assert levels.is_hidden()
     with page.expect_download() as loading:
         page.get_by_role("button", name="Export", exact=True).click()
     assert loading.value.suggested_filename == "base.h"
     made = Path(loading.value.path()).read_text()
     assert (
         made.encode()
-        == files_of(Session(str(path), text_of(page)), ".h", {"direct": True}, print)[0][0].content
+        == files_of(Session(str(path), text_of(page)), ".h", {"way": "rules"}, print)[0][0].content
     )
     page.get_by_role("button", name="Close").click()
 

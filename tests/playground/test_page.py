@@ -215,7 +215,7 @@ def test_a_rule_base_from_nothing_to_c(page, tmp_path):
     # The C of the page, compiled, has the numbers of the page.
     page.get_by_role("tab", name="Files").click()
     page.get_by_role("button", name="C header").click()
-    page.locator("dialog").get_by_label("Direct").check()
+    assert page.locator("dialog").get_by_label("Computed from").input_value() == "rules"
     page.locator("dialog").get_by_label("Precision").select_option("float64")
     with page.expect_download() as loading:
         page.get_by_role("button", name="Export", exact=True).click()

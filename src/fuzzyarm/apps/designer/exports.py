@@ -54,6 +54,15 @@ PART: FormField = {
     "default": "all",
 }
 """Which part of a rule base is drawn, as ``fuzzyarm plot --what`` says it."""
+WAY: FormField = {
+    "name": "way",
+    "title": "Computed from",
+    "description": "the rules have their exact values; a table of them is looked up in fewer steps",
+    "type": "string",
+    "enum": ["rules", "table"],
+    "default": "rules",
+}
+"""What a program computes from: ``--direct`` or ``--table`` of ``fuzzyarm compile``."""
 IN_PAGE = sys.platform == "emscripten"
 OF_MACHINE = frozenset({".fmu", ".npz", *PICTURES})
 """What a C compiler, NumPy or Matplotlib makes: a page with its own Python does not offer it."""
@@ -126,11 +135,10 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
         kind = "table"
     else:
         kind = "rules" if session.reading.parsed.controller is None else "controller"
-    # Small programs have the bits of the rules; a table is what one asks for.
-    direct = {"direct": True} if kind == "rules" else {}
     return {
         suffix: [
-            *export_form(suffix, kind).fields(**direct),
+            *([WAY] if suffix in EXPORTS and kind != "table" else []),
+            *export_form(suffix, kind).fields(),
             *([PART] if suffix in PICTURES and kind == "rules" else []),
         ]
         for suffix in kinds_of(session)
@@ -180,7 +188,12 @@ def _content(session: Session) -> bytes:
 
 def making_on_page(session: Session, options: FormValues) -> Making:
     """Return the options of a dialog; an empty field counts as absent."""
-    request = form_of(ExportRequest, **{**options, "file": Path(session.path).name})
+    way = options.get("way")
+    if way not in (None, *WAY["enum"]):
+        raise FieldError(f"'{str(way)[:40]}' is not one of rules, table", field="way")
+    # Of a controller `direct` says nothing: its rule bases are inferred unless tables are wanted.
+    values = {**options, "direct": way == "rules", "table": way == "table"}
+    request = form_of(ExportRequest, **{**values, "file": Path(session.path).name})
     try:
         return making_of(request)
     except RequestError as error:

@@ -10,9 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, cast
+from typing import TYPE_CHECKING, Any, Generic, cast
 
-from fuzzyarm.apps.designer.grounds import FieldError, at_field, form_of, signal_of
+from fuzzyarm.apps.designer.grounds import (
+    FieldError,
+    at_field,
+    check_words,
+    form_of,
+    signal_of,
+)
 from fuzzyarm.apps.designer.messages import FormField
 from fuzzyarm.apps.designer.records import MessageError
 from fuzzyarm.apps.designer.requests import FormValues
@@ -27,6 +33,9 @@ from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.requests.runs import SweepRequest
 from fuzzyarm.requests.schema import form_fields
 from fuzzyarm.requests.tune import TuneRequest
+
+if TYPE_CHECKING:
+    from fuzzyarm.apps.designer.stage import Plants
 
 __all__ = [
     "FIT", "FORMS", "LEARN", "MARGINS", "PICTURES", "PROVE", "PROVE_LOOP", "RUN", "SWEEP", "TUNE",
@@ -147,7 +156,7 @@ PICTURES = (".png", ".svg")
 
 def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
     """Return the form of an export."""
-    makings = () if kind == "table" else ("direct", "table", "levels")
+    makings = () if kind == "table" else ("levels",)
     output = ("output",) if kind == "rules" else ()
     if suffix == ".fmu":
         whole = ("q",) if kind == "controller" else ()
@@ -172,7 +181,7 @@ FORMS: Mapping[str, RequestForm[Any]] = {
 """By the work that they ask for."""
 
 
-def judged(form: str, values: FormValues, folder: Path) -> dict[str, Any]:
+def judged(form: str, values: FormValues, folder: Path, plants: Plants) -> dict[str, Any]:
     """Return what is wrong with a form and in which field; nothing where it could begin.
 
     Parameters
@@ -183,14 +192,18 @@ def judged(form: str, values: FormValues, folder: Path) -> dict[str, Any]:
         What has been filled in.
     folder : Path
         Of the file that is open.
+    plants : Plants
+        Those of the designer.
     """
     if form not in FORMS:
         raise MessageError("is not a form", "form")
     try:
         form_record = FORMS[form]
-        form_record.request(
+        request = form_record.request(
             values, folder, **({form_record.open: "x.frb"} if form_record.open else {})
         )
+        if isinstance(request, ExperimentRequest) and request.plant in plants.by_name:
+            check_words(request, plants.by_name[request.plant])
     except FieldError as error:
         return {"field": error.field, "message": str(error)}
     return {}

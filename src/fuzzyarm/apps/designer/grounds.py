@@ -105,6 +105,9 @@ MANY = (
 )
 """Fields of several words."""
 
+RANGES = ("sweep", "vary")
+"""Fields of ranges, in requests that have them."""
+
 
 def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
     """Return a request of the values of a form; FieldError if a field does not take its value."""
@@ -125,6 +128,7 @@ def signal_of(folder: Path, word: str) -> str:
 
 def check_words(request: ExperimentRequest, plant: Plant) -> None:
     """Read each word separately, so that a mistake shows at its field."""
+    from fuzzyarm.control.loop.sweep import read_range
     from fuzzyarm.control.loop.words import connections, driven, options_of, signals
     from fuzzyarm.plant.plant import interface_of
 
@@ -138,16 +142,18 @@ def check_words(request: ExperimentRequest, plant: Plant) -> None:
             options = options_of(alone, plant)
             for port in (*options.sensors, *options.loads):
                 interface.every_port(port)
+    for name in RANGES:
+        with at_field(name):
+            for word in getattr(request, name, ()):
+                read_range(word)
+    with at_field("duration"):
+        if request.duration is not None:
+            seconds_of(request.duration)
 
 
-def request_on(plant: Plant, request: Experiment, *, ranges: str) -> Experiment:
-    """Return a request for a plant, its words and the ranges of a field read one by one."""
-    from fuzzyarm.control.loop.sweep import read_range
-
+def request_on(plant: Plant, request: Experiment) -> Experiment:
+    """Return a request for a plant, its words read one by one."""
     check_words(request, plant)
-    with at_field(ranges):
-        for word in getattr(request, ranges):
-            read_range(word)
     if plant.trajectories:
         return request
     # A page may hold what was chosen for another plant: as if nobody had said it.

@@ -19,6 +19,7 @@ import json
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
 from functools import cached_property
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.designer import requests
@@ -295,6 +296,8 @@ class OpenFiles:
         if what == "findings":
             file = read_record(requests.OfFile, message).file
             return await aside(self.workspace.findings, file)
+        if what == "judge":
+            return await aside(self._judged, read_record(requests.FormQuestion, message))
         if what == "import":
             dropped = read_record(requests.Import, message)
             return await self._imported(dropped.name, _decoded(dropped.data))
@@ -302,6 +305,13 @@ class OpenFiles:
             name = read_record(requests.Convert, message).name
             return await self._imported(name, self.workspace.foreign_data(name))
         return self.workspace.answer(message)
+
+    def _judged(self, form: requests.FormQuestion) -> dict[str, Any]:
+        """Return what is wrong with a form while a hand fills it in."""
+        from fuzzyarm.apps.designer.forms import judged
+
+        folder = Path(self.workspace.text(form.file).session.path).parent
+        return judged(form.form, form.values, folder, self.plants)
 
     async def _moved(self, answer: dict[str, Any]) -> None:
         """Tell the windows which file has another name now, or none, and go on with its check."""

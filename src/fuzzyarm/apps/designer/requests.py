@@ -299,14 +299,6 @@ class OfVariable:
 
 
 @dataclass(frozen=True)
-class FormQuestion:
-    """What is wrong with a form that the user is filling in."""
-
-    form: str
-    values: FormValues
-
-
-@dataclass(frozen=True)
 class TablePage:
     """A page of a table: a level of each axis but the last two."""
 
@@ -343,7 +335,6 @@ TEXT_QUESTIONS: Mapping[str, type] = {
     "table": TablePage,
     "table-cell": TableCell,
     "exports": BareMessage,
-    "judge": FormQuestion,
 }
 
 
@@ -383,6 +374,15 @@ class Convert:
     name: str
 
 
+@dataclass(frozen=True)
+class FormQuestion:
+    """What is wrong with a form that the user is filling in, and of which file it is."""
+
+    file: str
+    form: str
+    values: FormValues
+
+
 FOLDER_QUESTIONS: Mapping[str, type] = {
     "list": BareMessage,
     "new": NewFile,
@@ -396,6 +396,7 @@ FOLDER_QUESTIONS: Mapping[str, type] = {
     "findings": OfFile,
     "import": Import,
     "convert": Convert,
+    "judge": FormQuestion,
 }
 
 

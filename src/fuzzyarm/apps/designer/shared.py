@@ -529,12 +529,6 @@ class SharedText:
 
         return {"forms": forms_of(self.session)}
 
-    def _judge(self, request: requests.FormQuestion) -> dict[str, Any]:
-        """Say what is wrong with a form while the user fills it in."""
-        from fuzzyarm.apps.designer.forms import judged
-
-        return judged(request.form, request.values, Path(self.session.path).parent)
-
     def _movable(self, _request: requests.BareMessage) -> dict[str, Any]:
         """Write into the text what tuning moves where nothing is said, and ranges of gains."""
         from fuzzyarm.learning.tuning.design import default_ranges, everything
@@ -595,7 +589,6 @@ _QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
     "table": SharedText._table,
     "table-cell": SharedText._table_cell,
     "exports": SharedText._exports,
-    "judge": SharedText._judge,
 }
 """What a page may ask → who answers."""
 

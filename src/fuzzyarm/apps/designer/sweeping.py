@@ -95,7 +95,7 @@ def _plan(session: Session, record: FormWork, job: WindowJob) -> tuple[SweepRequ
     with at_field("plant"):
         plant = plant_named(request.plant or "", model, job.plants)
         request = request.replaced(plant=request.plant or plants_for(model, job.plants)[0]["name"])
-    request = request_on(plant, request, ranges="sweep")
+    request = request_on(plant, request)
     with at_field("sweep"):
         plan = sweep_of(request, controller)
     if plan.count > MOST_RUNS:

@@ -24,7 +24,6 @@ from fuzzyarm.apps.designer.grounds import (
     plant_named,
     plants_for,
     request_on,
-    seconds_of,
 )
 from fuzzyarm.apps.designer.jobs import TELL_EVERY, WindowJob
 from fuzzyarm.apps.designer.requests import BareMessage, FormWork, TuneWord
@@ -134,9 +133,6 @@ def order_of(session: Session, work: FormWork, job: WindowJob) -> PageOrder:
             read_cost(request.cost)
     with at_field("tune"):
         read_tuning(request.tune)
-    with at_field("duration"):
-        if request.duration is not None:
-            seconds_of(request.duration)
     if request.evals > MOST_EVALS:
         raise FieldError(
             f"evals must be at most {MOST_EVALS} here, not {request.evals}", field="evals"
@@ -318,7 +314,7 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
 
     request = order.request
     plant = plant_named(request.plant or "", text.model, Plants(order.plants))
-    request = request_on(plant, request, ranges="vary")
+    request = request_on(plant, request)
     return stage_of_request(request, text, driven(request, plant))
 
 

@@ -102,6 +102,40 @@ export function slider([low, high], act, properties = {}) {
 
 const SLIDER_STEPS = 400;
 
+/** The number that a text is; NaN where it is none. */
+export const readNumber = (text) => Number(text.trim() || NaN);
+
+/** An input for a number, with room for what is wrong with it. */
+export function numberInput(properties) {
+  const input = el("input", { type: "text", inputMode: "decimal", ...properties });
+  return { input, typed: el("span", { class: "typed" }, input) };
+}
+
+let wrongs = 0;
+
+/**
+ * Say beside a control, in the element around it, what is wrong with its value, which stays; without words take it back.
+ *
+ * @param {HTMLElement} input
+ */
+export function sayWrong(input, words = "") {
+  const holder = input.parentElement;
+  holder.querySelector(":scope > .wrong")?.remove();
+  if (!words) {
+    input.removeAttribute("aria-invalid");
+    input.removeAttribute("aria-describedby");
+    return;
+  }
+  const id = `wrong-${++wrongs}`;
+  input.setAttribute("aria-invalid", "true");
+  input.setAttribute("aria-describedby", id);
+  const wrong = el("span", { class: "wrong", id, role: "alert", textContent: words });
+  holder.append(wrong);
+  const room = holder.closest(".pane, dialog").getBoundingClientRect().right - 9;
+  const beyond = wrong.getBoundingClientRect().right - room;
+  if (beyond > 0) wrong.style.left = `${-beyond}px`;
+}
+
 /** A control with its label above it. */
 export const field = (label, input) => el("label", { class: "field" }, el("span", { textContent: label }), input);
 

@@ -65,8 +65,12 @@ function exportDialog(store, hand, suffix, fields) {
   const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
   const go = el("button", { type: "submit", textContent: S.exports });
   const close = el("button", { type: "button", textContent: S.close, onclick: () => dialog.close() });
-  const asked = new Form();
+  const asked = new Form({ changed: (name) => name === "way" && showTable() });
   asked.open(fields);
+  if (asked.has("way")) asked.choices("way", S.exportWays);
+  const ofTables = ["levels", "mode", ...(store.scene ? ["q"] : [])]; // a controller may look up tables of integers
+  const showTable = () => asked.show(ofTables, !asked.has("way") || asked.shown("way") === "table");
+  showTable();
   const outputs = pairsOf((store.scene?.outputs ?? []).map((each) => each.name));
   const every = TABLES.includes(suffix) ? [] : [["", S.everyOutput]]; // a table has one output
   asked.choices("output", [...every, ...outputs]);

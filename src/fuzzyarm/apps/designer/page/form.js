@@ -1,7 +1,7 @@
 // The form of a request: a field for each of its JSON Schemas, whatever the job. What a field takes, its words and its
 // default are those of the record in Python; what is wrong with a value is said beside it, in the words of the command.
 
-import { clean, el, field as labelled, refill, select } from "./draw.js";
+import { el, field as labelled, refill, sayWrong, select } from "./draw.js";
 import { choicesOf, controlOf, isOptional, quoted, optionsOf, shownDefault, typeOf, valueOf } from "./fields.js";
 import { S } from "./strings.js";
 
@@ -163,29 +163,26 @@ export class Form {
     return optionsOf(fields, values).map(quoted);
   }
 
+  /** A message in the words of the page: those of the command name its options, and fields. */
+  inWords(message) {
+    const fields = [...this.rows.values()].map(({ field }) => field).toSorted((a, b) => b.name.length - a.name.length);
+    return fields.reduce((words, field) => {
+      const named = words.startsWith(`${field.name} `) ? titleOf(field) + words.slice(field.name.length) : words;
+      return field.option ? named.replace(new RegExp(`${field.option}(?![\\w-])`, "g"), titleOf(field)) : named;
+    }, message);
+  }
+
   /** Say a mistake beside its field, and nothing beside others; where no field has that name, say so. */
   mark(name, message = "", focus = true) {
     if (focus) this.asked++; // what is still being judged says no more than this
-    for (const [own, { field, input, label }] of this.rows) {
-      label.querySelector(".wrong")?.remove();
-      if (own !== name) {
-        input.removeAttribute("aria-invalid");
-        input.removeAttribute("aria-describedby");
-        continue;
-      }
-      const id = `${this.id}-wrong`;
-      input.setAttribute("aria-invalid", "true");
-      input.setAttribute("aria-describedby", id);
+    const option = /^--[\w-]+/.exec(message)?.[0]; // it may be another field that the message begins with
+    const [at = name] = [...this.rows.keys()].filter((own) => option && this.rows.get(own).field.option === option);
+    for (const [own, { input }] of this.rows) {
+      sayWrong(input, own === at ? this.inWords(message) : "");
+      if (own !== at || !message) continue;
       input.closest("details")?.setAttribute("open", "");
-      // The words are those of the command; here the option has a title.
-      const words = field.option ? message.replaceAll(field.option, titleOf(field)) : message;
-      const wrong = el("span", { class: "wrong", id, role: "alert", textContent: clean(words) });
-      label.append(wrong);
-      const beyond =
-        wrong.getBoundingClientRect().right - label.closest(".pane, dialog").getBoundingClientRect().right + 9;
-      if (beyond > 0) wrong.style.left = `${-beyond}px`;
       if (focus) input.focus();
     }
-    return this.rows.has(name);
+    return this.rows.has(at);
   }
 }

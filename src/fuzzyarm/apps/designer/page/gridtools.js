@@ -1,6 +1,6 @@
 // Grids by hand: a new one, its rows and columns, and a rule put together from lists.
 
-import { el, pairsOf, select, shortNumber } from "./draw.js";
+import { el, pairsOf, readNumber, select, shortNumber } from "./draw.js";
 import { S } from "./strings.js";
 import { newShape } from "./variables.js";
 import { rangeOf } from "./geometry/shapes.js";
@@ -58,8 +58,8 @@ export function addHead({ fill, attempt }, { inputs }, { line, row, variable: na
     S.add,
     ({ chosen = "", name: given, peak }) => {
       if (chosen) return attempt("head", { line, row, term: chosen });
-      const at = Number((peak ?? "").trim() || NaN);
-      if (!Number.isFinite(at)) return { error: S.notANumber };
+      const at = readNumber(peak ?? "");
+      if (!Number.isFinite(at)) return { error: S.noNumber(peak ?? "") };
       return attempt("head", { line, row, term: given.trim(), shape: newShape(variable, at) });
     },
   );

@@ -1,7 +1,7 @@
 // Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list; findings
 // of the check where they are.
 
-import { eachFrame, el, heat, keepFocus, select, shortNumber, space, tableOf } from "./draw.js";
+import { eachFrame, el, heat, keepFocus, sayWrong, select, shortNumber, space, tableOf } from "./draw.js";
 import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
 import { methodLines } from "./methods.js";
 import { Pane } from "./pane.js";
@@ -215,8 +215,8 @@ export class RulesPane extends Pane {
       const sentence = draft.text;
       if (!sentence.trim()) return;
       const line = isNew ? null : this.store.scene.rules[draft.rule].line;
-      const taken = await this.change("rule", { line, sentence });
-      if (!taken) field.setAttribute("aria-invalid", "true");
+      const { error } = await this.attempt("rule", { line, sentence });
+      if (error) sayWrong(field, error);
       else if (!isNew) leave();
       else if (this.fresh.text === sentence) {
         this.fresh.text = field.value = "";
@@ -225,7 +225,7 @@ export class RulesPane extends Pane {
     };
     field.addEventListener("input", () => {
       draft.text = field.value;
-      field.removeAttribute("aria-invalid");
+      sayWrong(field);
     });
     field.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && !isNew) leave();

@@ -2,7 +2,7 @@
 
 import { aroundLine, unsavedLine } from "./around.js";
 import { CurvePane } from "./curves.js";
-import { el, pane, select, shortNumber, space, tableOf } from "./draw.js";
+import { el, numberInput, pane, readNumber, sayWrong, select, shortNumber, space, tableOf } from "./draw.js";
 import { quoted } from "./fields.js";
 import { Form } from "./form.js";
 import { PicturePane } from "./plant.js";
@@ -236,7 +236,7 @@ class RunForm extends Pane {
     this.endless = el("input", { type: "checkbox", onchange: () => this.open(true) });
     this.form = new Form({
       changed: (name) => (name === "plant" ? this.chosen(true) : this.changed()),
-      judge: (values) => this.hand.askNow("judge", { form: "run", values }),
+      judge: (values) => this.hand.folder({ what: "judge", file: this.hand.file(), form: "run", values }),
     });
     this.speed = select([...SPEEDS.map((each) => [String(each), S.runTimes(each)]), ["", S.runFastest]]);
     this.makeControls();
@@ -434,29 +434,27 @@ function gainPane(hand, move) {
       oninput: () => moved(Number(back(gain, range.value / STEPS).toPrecision(4)), false),
       onchange: () => moved(Number(back(gain, range.value / STEPS).toPrecision(4)), true),
     });
-    const number = el("input", {
-      type: "text",
-      inputMode: "decimal",
+    const { input: number, typed } = numberInput({
       "aria-label": `${name}: ${S.value}`,
-      onchange: () => moved(Number(number.value), true),
+      onchange: () => moved(readNumber(number.value), true),
     });
     const unit = el("span", { class: "unit", textContent: gain.unit });
     const label = el("span", { class: "name", textContent: name, title: gain.written ? "" : S.runGainElsewhere });
-    const shownRow = el("div", { class: "gain" }, label, range, number, unit);
+    const shownRow = el("div", { class: "gain" }, label, range, typed, unit);
 
     function set(value) {
       const at = Math.round(STEPS * Math.min(1, Math.max(0, share(gain, value))));
       if (document.activeElement !== range || Math.abs(range.value - at) > 1) range.value = at;
       range.setAttribute("aria-valuetext", `${shortNumber(value)} ${gain.unit}`);
-      if (document.activeElement !== number) number.value = shortNumber(value, 6);
+      if (document.activeElement === number) return;
+      number.value = shortNumber(value, 6);
+      sayWrong(number);
     }
 
     /** The running loop hears of it at once; letting go makes it an edit of the text. */
     function moved(value, done) {
-      if (!Number.isFinite(value)) {
-        number.value = shortNumber(gain.values[k], 6);
-        return;
-      }
+      sayWrong(number, Number.isFinite(value) ? "" : S.noNumber(number.value));
+      if (!Number.isFinite(value)) return;
       for (const each of rows) if (each.gain.name === gain.name) each.gain.values[k] = value;
       number.value = shortNumber(value, 6);
       range.setAttribute("aria-valuetext", `${shortNumber(value)} ${gain.unit}`);

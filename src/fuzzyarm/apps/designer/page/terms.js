@@ -1,6 +1,19 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
-import { ARROWS, eachFrame, el, hue, pairsOf, select, shortNumber, space, svg } from "./draw.js";
+import {
+  ARROWS,
+  eachFrame,
+  el,
+  hue,
+  numberInput,
+  pairsOf,
+  readNumber,
+  sayWrong,
+  select,
+  shortNumber,
+  space,
+  svg,
+} from "./draw.js";
 import { evenly, ticks } from "./geometry/chart.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
@@ -384,9 +397,7 @@ export class TermsPane extends Pane {
     const name = (i) => shape.names[i] ?? `${i % 2 ? "y" : "x"}${Math.floor(i / 2) + 1}`;
     const made = Array.from({ length: count + 1 }, (_, i) => {
       const label = i < count ? name(i) : S.height;
-      const field = el("input", {
-        type: "text",
-        inputMode: "decimal",
+      const { input: field, typed } = numberInput({
         title: label,
         readOnly: !this.edit,
         "aria-label": `${variable.name} ${term.name}, ${side}${label}`,
@@ -399,7 +410,7 @@ export class TermsPane extends Pane {
           this.put(variable, term, shape, i < count ? i : null, field);
       };
       this.fields.push({ field, variable, shape, index: i < count ? i : null });
-      return field;
+      return typed;
     });
     return made;
   };
@@ -410,19 +421,19 @@ export class TermsPane extends Pane {
       const now = this.store.now(variable, shape);
       const value = index === null ? now.height : now.parameters[index];
       const said = Number.isFinite(value) ? shortNumber(value, 8) : value > 0 ? "inf" : "-inf";
-      if (document.activeElement !== field || field.value === field.dataset.shown) field.value = said;
+      if (document.activeElement !== field || field.value === field.dataset.shown) {
+        field.value = said;
+        sayWrong(field);
+      }
       field.dataset.shown = said;
     }
   };
 
   put = (variable, term, shape, index, field) => {
-    const text = field.value.trim().replace(/^([+-]?)inf$/, "$1Infinity");
-    const value = text === "" ? NaN : Number(text);
-    if (Number.isNaN(value) || (index === null && !(value > 0 && value <= 1))) {
-      field.setAttribute("aria-invalid", "true");
-      return;
-    }
-    field.removeAttribute("aria-invalid");
+    const value = readNumber(field.value.trim().replace(/^([+-]?)inf$/, "$1Infinity"));
+    const isHeight = index !== null || (value > 0 && value <= 1);
+    sayWrong(field, Number.isNaN(value) ? S.noNumber(field.value) : isHeight ? "" : S.noHeight);
+    if (field.hasAttribute("aria-invalid")) return;
     this.begin(variable);
     const now = this.store.now(variable, shape);
     const parameters = index === null ? now.parameters : now.parameters.with(index, value);

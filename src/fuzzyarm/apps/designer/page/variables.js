@@ -1,6 +1,6 @@
 // Variables: the line above the plot of each, and the dialogs that add, stretch, rename and remove them.
 
-import { el, shortNumber, space } from "./draw.js";
+import { el, readNumber, shortNumber, space } from "./draw.js";
 import { S } from "./strings.js";
 import { rangeOf, sendable } from "./geometry/shapes.js";
 
@@ -33,7 +33,7 @@ export function addVariable({ fill, attempt }, role) {
     S.add,
     ({ variable, low, high, terms }) => {
       const ends = readEnds(low, high);
-      if (!ends) return { error: S.notARange };
+      if (!ends) return { error: S.notARange(low, high) };
       return attempt("variable", {
         role,
         variable: variable.trim(),
@@ -59,7 +59,7 @@ function stretch({ fill, attempt }, variable) {
       const ends = readEnds(values.low, values.high);
       return ends
         ? attempt("range", { variable: variable.name, low: sendable(ends[0]), high: sendable(ends[1]) })
-        : { error: S.notARange };
+        : { error: S.notARange(values.low, values.high) };
     },
   );
 }
@@ -96,8 +96,8 @@ function addTerm({ fill, attempt }, variable, peak) {
     ],
     S.add,
     ({ term, peak: at }) => {
-      const number = Number(at.trim() || NaN);
-      if (!Number.isFinite(number)) return { error: S.notANumber };
+      const number = readNumber(at);
+      if (!Number.isFinite(number)) return { error: S.noNumber(at) };
       return attempt("term", { variable: variable.name, term: term.trim(), shape: newShape(variable, number) });
     },
   );

@@ -1,7 +1,19 @@
 // Inference: sliders for the inputs, the rules with their sets filled to where the point lies, what
 // they conclude, the aggregate, the value and why. Of interval type 2 both readings, and both ends.
 
-import { choice, clean, eachFrame, el, shortNumber, slider, space, svg } from "./draw.js";
+import {
+  choice,
+  clean,
+  eachFrame,
+  el,
+  numberInput,
+  readNumber,
+  sayWrong,
+  shortNumber,
+  slider,
+  space,
+  svg,
+} from "./draw.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { evenly } from "./geometry/chart.js";
@@ -66,20 +78,17 @@ export class ViewerPane extends Pane {
   build = () => {
     this.sliders.replaceChildren();
     this.inputs = this.store.scene.inputs.map((variable, i) => {
-      const set = (value) => {
-        if (Number.isFinite(value)) this.store.setPoint(i, value);
-      };
+      const set = (value) => this.store.setPoint(i, value);
       const label = el("label", { textContent: variable.name, title: variable.description || variable.name });
       const range = slider(rangeOf(variable), set, { id: `input-${i}` });
       label.htmlFor = range.id;
-      const number = el("input", {
-        type: "text",
-        inputMode: "decimal",
+      const { input: number, typed } = numberInput({
         "aria-label": `${variable.name}: ${S.value}`,
-        onchange: () => set(Number(number.value)),
+        onchange: () => this.take(i, number),
+        onblur: this.draw,
       });
-      this.sliders.append(el("div", { class: "slider" }, label, range, number));
-      return { range, number };
+      this.sliders.append(el("div", { class: "slider" }, label, range, typed));
+      return { range, number, shown: "" };
     });
     const { scene } = this.store;
     const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "5.4em";
@@ -95,11 +104,26 @@ export class ViewerPane extends Pane {
     this.draw();
   };
 
+  /** Move the point to where a hand says; what cannot be taken stays as it is typed, with the reason beside it. */
+  take = (i, number) => {
+    const variable = this.store.scene.inputs[i];
+    const value = readNumber(number.value);
+    const [low, high] = rangeOf(variable);
+    const isInside = value >= low && value <= high;
+    const range = [low, high].map((end) => shortNumber(end, 6));
+    sayWrong(number, !Number.isFinite(value) ? S.noNumber(number.value) : isInside ? "" : S.outside(value, ...range));
+    if (isInside) this.store.setPoint(i, value);
+  };
+
   draw = () => {
     if (!this.store.scene) return;
-    this.inputs.forEach(({ range, number }, i) => {
+    this.inputs.forEach((each, i) => {
+      const { range, number } = each;
+      const said = shortNumber(this.store.point[i], 6);
       range.value = this.store.point[i];
-      if (document.activeElement !== number) number.value = shortNumber(this.store.point[i], 6);
+      if (said !== each.shown) sayWrong(number); // the point has moved: it says where to
+      if (document.activeElement !== number && !number.hasAttribute("aria-invalid")) number.value = said;
+      each.shown = said;
     });
     if (this.store.scene.missing.length) {
       this.why.replaceChildren();

@@ -89,7 +89,7 @@ export class Work extends Pane {
       this.known = known;
       this.form = new Form({
         changed: (name) => this.changed(name),
-        judge: (values) => this.hand.askNow("judge", { form: known, values }),
+        judge: (values) => this.hand.folder({ what: "judge", file: this.hand.file(), form: known, values }),
       });
       this.form.open(facts.form);
       this.place.replaceChildren(this.form.view);
@@ -144,7 +144,8 @@ export class Work extends Pane {
     if (this.kind.ends?.[news.end]) this.say(this.kind.ends[news.end]);
     this.take(news);
     this.show();
-    if (news.end === "failed") this.say(this.form.mark(news.field ?? "", news.message) ? "" : news.message);
+    if (news.end === "failed")
+      this.say(this.form.mark(news.field ?? "", news.message) ? "" : this.form.inWords(news.message));
     this.ask(); // the text may have changed meanwhile
   }
 
