@@ -4,19 +4,23 @@ To add a metric: a field of :class:`Metrics` and its record in ``METRIC_KINDS``.
 ``docs/reference/metrics.md`` is generated from it, and a test evaluates the formula. It is then
 also a cost of ``tune``.
 
-One that samples cannot give (of every control period) needs, before that, a row of sums in
-``note_errors`` or ``note_changes`` of :mod:`fuzzyarm.control.loop.loop` (its name, and one more in
-`ERRORS` or `CHANGES`), then ``make native``; its value from the sums beside ``shown_means`` in
-:mod:`fuzzyarm.control.loop.program`; a field of :class:`PeriodFigures`, of ``MetricSources`` and
-of ``Run`` in :mod:`fuzzyarm.control.loop.run`, which hand it on.
+One of every control period, which samples cannot give, needs before that
+
+1. a row of sums in ``note_errors`` of :mod:`fuzzyarm.control.loop.loop`: its number beside `HELD`,
+   one more in `ERRORS`, its statement in the kernel; then ``make native``;
+2. its value from the sums in ``EVERY_PERIOD`` of :mod:`fuzzyarm.control.loop.program`, under the
+   name of the metric.
+
+The value in ``METRIC_KINDS`` is then ``_counted("NAME")``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -87,15 +91,7 @@ METRICS = tuple(field.name for field in fields(Metrics))
 """Names of all metrics."""
 
 
-class PeriodFigures(NamedTuple):
-    """Figures accumulated in every control period, which samples cannot give."""
-
-    chatter: float = 0.0
-    rms_periods: float = math.nan
-    rms_path: float = math.nan
-
-
-_NOTHING = PeriodFigures()
+_NOTHING: Mapping[str, float] = MappingProxyType({"chatter": 0.0})
 
 
 def metrics_of(
@@ -106,7 +102,7 @@ def metrics_of(
     limits: list[tuple[float, float]],
     period: float,
     maximum: Literal["magnitude", "positive"] = "magnitude",
-    counted: PeriodFigures = _NOTHING,
+    counted: Mapping[str, float] = _NOTHING,
 ) -> Metrics:
     """Compute the metrics of one axis.
 
@@ -123,8 +119,8 @@ def metrics_of(
         Time between samples, s.
     maximum : {"magnitude", "positive"}, optional
         See :func:`fuzzyarm.control.loop.loop.signed_maximum`.
-    counted : PeriodFigures, optional
-        Figures from the loop.
+    counted : mapping of str to float, optional
+        Metrics that the loop sums up in every control period, which samples cannot give.
     """
     samples = _Samples(time, reference, errors, drives, limits, period, maximum, counted)
     values: dict[str, Any] = {
@@ -182,7 +178,7 @@ class _Samples:
     limits: list[tuple[float, float]]
     period: float
     maximum: Literal["magnitude", "positive"]
-    counted: PeriodFigures
+    counted: Mapping[str, float]
 
     @cached_property
     def magnitudes(self) -> Vector:
@@ -253,6 +249,11 @@ class MetricKind(NamedTuple):
     missing: float | None = math.nan
 
 
+def _counted(name: str) -> Callable[[_Samples], float]:
+    """Return the value of a metric that the loop sums up."""
+    return lambda samples: samples.counted.get(name, math.nan)
+
+
 ERROR, SECONDS, DRIVE = "of the error", "s", "of the drives"
 
 METRIC_KINDS: dict[str, MetricKind] = {
@@ -294,14 +295,14 @@ METRIC_KINDS: dict[str, MetricKind] = {
     ),
     "chatter": MetricKind(
         "of the first drive", "sqrt(mean(diff(d1)**2)), d1 in every control period",
-        lambda s: s.counted.chatter, "{drive}",
+        _counted("chatter"), "{drive}",
     ),
     "rms_periods": MetricKind(
-        ERROR, "sqrt(mean(e**2)), e in every control period", lambda s: s.counted.rms_periods
+        ERROR, "sqrt(mean(e**2)), e in every control period", _counted("rms_periods")
     ),
     "rms_path": MetricKind(
         ERROR, "sqrt(mean(e**2)), e in every control period, from the reference itself",
-        lambda s: s.counted.rms_path,
+        _counted("rms_path"),
     ),
 }  # fmt: skip
 """Each metric, in the order of :class:`Metrics`; ``docs/reference/metrics.md`` has their names.

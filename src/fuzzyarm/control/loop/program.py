@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 import numpy as np
@@ -22,6 +23,8 @@ from fuzzyarm.control.loop.course import Course, flat
 from fuzzyarm.control.loop.loop import (
     CHANGES,
     ERRORS,
+    HELD,
+    LED,
     LOOP_ARRAYS,
     LOST,
     NEXT,
@@ -330,6 +333,13 @@ def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.flo
 def shown_means(course: Course, record: RunRecord, kind: int) -> NDArray[np.float64]:
     """Return RMS errors over all control periods, in displayed units; see :class:`RunRecord`."""
     return np.asarray(np.sqrt(record.squares(kind)) * scales(course))
+
+
+EVERY_PERIOD: Mapping[str, Callable[[Course, RunRecord], NDArray[np.float64]]] = MappingProxyType({
+    "rms_periods": lambda course, record: shown_means(course, record, HELD),
+    "rms_path": lambda course, record: shown_means(course, record, LED),
+})  # fmt: skip
+"""Metrics of the tracked outputs from sums over all control periods, by name."""
 
 
 def scales(course: Course) -> NDArray[np.float64]:

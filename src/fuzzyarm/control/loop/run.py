@@ -42,17 +42,17 @@ from fuzzyarm.control.loop.course import (
     motion,
     range_notes,
 )
-from fuzzyarm.control.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
-from fuzzyarm.control.loop.metrics import METRICS, Metrics, PeriodFigures, metric_unit, metrics_of
+from fuzzyarm.control.loop.loop import SQUARES, final, rms, signed_maximum
+from fuzzyarm.control.loop.metrics import METRICS, Metrics, metric_unit, metrics_of
 from fuzzyarm.control.loop.open_run import OpenRun
 from fuzzyarm.control.loop.program import (
+    EVERY_PERIOD,
     LoopProgram,
     RunRecord,
     error_taps,
     loop_of_laws,
     scales,
     shown_errors,
-    shown_means,
     shown_units,
 )
 from fuzzyarm.control.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
@@ -105,8 +105,7 @@ class MetricSources(NamedTuple):
     driven: tuple[str, ...]
     limits: Mapping[str, tuple[float, float]]
     chatter: Mapping[str, float]
-    rms_periods: Vector
-    rms_path: Vector
+    counted: Mapping[str, Vector]
 
 
 def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
@@ -126,11 +125,10 @@ def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
             [of.limits[name] for name in names],
             of.period,
             of.conventions.maximum,
-            PeriodFigures(
-                of.chatter.get(names[0], 0.0) if names else 0.0,
-                float(of.rms_periods[column]),
-                float(of.rms_path[column]),
-            ),
+            {
+                "chatter": of.chatter.get(names[0], 0.0) if names else 0.0,
+                **{name: float(values[column]) for name, values in of.counted.items()},
+            },
         )
     return metrics
 
@@ -188,10 +186,8 @@ class Run(Plotted):
     set_point_time : ndarray, shape (n,)
         Nominal time of the set points of the samples, s. A sample is taken in the last control
         period of its set point; the times of a trajectory restart in each segment.
-    rms_periods : ndarray, shape (k,)
-        As `rms`, over all control periods, from the held set point.
-    rms_path : ndarray, shape (k,)
-        The same from the reference of which the set points are samples.
+    counted : mapping of str to ndarray, shape (k,)
+        Metrics of the tracked outputs that the loop sums up in every control period, by name.
     output_units : mapping of str to str
         Of `outputs` and `wanted`.
     driven : tuple of str
@@ -236,8 +232,7 @@ class Run(Plotted):
     chatter: Mapping[str, float] = field(default_factory=dict)
     every: int = 1
     set_point_time: Vector = field(default_factory=lambda: np.zeros(0))
-    rms_periods: Vector = field(default_factory=lambda: np.zeros(0))
-    rms_path: Vector = field(default_factory=lambda: np.zeros(0))
+    counted: Mapping[str, Vector] = field(default_factory=dict)
     output_units: Mapping[str, str] = field(default_factory=dict)
     driven: tuple[str, ...] = ()
     cause: str = ""
@@ -284,6 +279,16 @@ class Run(Plotted):
     def maximum(self) -> Vector:
         """Largest error of each tracked output, by the conventions."""
         return signed_maximum(self.error_matrix, self.conventions.maximum)
+
+    @property
+    def rms_periods(self) -> Vector:
+        """As `rms`, over all control periods, from the held set point."""
+        return self.counted.get("rms_periods", np.zeros(0))
+
+    @property
+    def rms_path(self) -> Vector:
+        """The same from the reference of which the set points are samples."""
+        return self.counted.get("rms_path", np.zeros(0))
 
     @property
     def where(self) -> str:
@@ -655,8 +660,7 @@ class ClosedLoop:
             driven=self._driven,
             limits=dict(self._own_limits) if is_main_program else self._limits(run.program),
             chatter=self._chatter(record),
-            rms_periods=shown_means(course, record, HELD),
-            rms_path=shown_means(course, record, LED),
+            counted={name: sums(course, record) for name, sums in EVERY_PERIOD.items()},
         )
 
     def answer(self, run: OpenRun) -> Run:
