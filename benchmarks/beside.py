@@ -43,7 +43,7 @@ import fuzzyarm
 from fuzzyarm import compiled
 from fuzzyarm.control.loop import simulate_many
 from fuzzyarm.plant import reach_return
-from fuzzyarm.symbolic.kernels import has_machine_code
+from fuzzyarm.symbolic.kernels import has_machine_code, processors
 
 HERE = Path(__file__).resolve().parent
 
@@ -254,7 +254,7 @@ def main() -> int:
             parser.error(f"unknown part '{part}': {', '.join(PARTS)}")
     pythons = {"before": chosen.before} if chosen.before else {}
     pythons["now"] = sys.executable
-    print(f"processors: {os.cpu_count()}, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
+    print(f"processors: {processors()}, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
     print("| what | before | now | now / before | goal | met |\n|---|---|---|---|---|---|")
     for part in chosen.parts or [part for part in PARTS if part != "size"]:
         print(f"… {part}", file=sys.stderr)

@@ -14,7 +14,6 @@ usage: python benchmarks/closed_loop.py [--markdown] [CONTROLLER ...]
 from __future__ import annotations
 
 import argparse
-import os
 import shutil
 import statistics
 import subprocess
@@ -39,6 +38,7 @@ from fuzzyarm.language import load_rulebase
 from fuzzyarm.language.model.rulebase import RuleBase, Variable, propositions
 from fuzzyarm.language.model.shapes import membership
 from fuzzyarm.plant import reach_return
+from fuzzyarm.symbolic.kernels import processors
 from fuzzyarm.table import read_table
 
 try:  # a tree of before, which `beside.py` measures with these scripts, may have other names
@@ -312,13 +312,13 @@ def batches() -> list[str]:
     for name in ("cdid", "soc-zero", "fuzzy-direct"):
         made, path = controller(name), reach_return()
         seconds = []
-        for workers in (1, os.cpu_count() or 1):
+        for workers in (1, processors()):
             begin = time.perf_counter()
             simulate_many(made, path, {"seed": np.arange(200)}, payload=True, workers=workers)
             seconds.append(time.perf_counter() - begin)
         lines.append(
             f"200 runs of {name}: {1e3 * seconds[0] / 200:.2f} ms a run with one thread, "
-            f"{1e3 * seconds[1] / 200:.2f} with {os.cpu_count()}: {seconds[0] / seconds[1]:.2f} "
+            f"{1e3 * seconds[1] / 200:.2f} with {processors()}: {seconds[0] / seconds[1]:.2f} "
             "times as fast"
         )
     return lines

@@ -33,6 +33,7 @@ from fuzzyarm.control.controllers import CATALOGUE, controller
 from fuzzyarm.control.loop import simulate_many
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant import reach_return
+from fuzzyarm.symbolic.kernels import processors
 
 ROOT = Path(__file__).resolve().parent.parent
 ROUNDS = 5
@@ -153,8 +154,8 @@ def calls() -> Iterator[Goal]:
 
 def scaling() -> Iterator[Goal]:
     """Measure what all processors are worth, over arrays and in batches of closed loops."""
-    processors = os.cpu_count() or 1
-    goal = {1: 0.9, 2: 1.7}.get(processors, 0.6 * processors)
+    available = processors()
+    goal = {1: 0.9, 2: 1.7}.get(available, 0.6 * available)
     fast, many = compiled(workload.even()), sweeps.MANY
     for count in (100_000, 1_000_000):
         points = points_of(fast.rulebase, count)
@@ -166,15 +167,15 @@ def scaling() -> Iterator[Goal]:
         sweeps.MANY = many
         ratio = times[1 << 62] / times[many]
         yield Goal(
-            f"{count:,} points, {processors} processors / one", ratio, "times", goal, least=True
+            f"{count:,} points, {available} processors / one", ratio, "times", goal, least=True
         )
     slowest, name = math.inf, ""
     for entry in CATALOGUE.values():
-        ratio = batch_ratio(entry.name, processors)
+        ratio = batch_ratio(entry.name, available)
         if ratio < slowest:
             slowest, name = ratio, entry.name
-    goal = {1: 0.9, 2: 1.8}.get(processors, 0.6 * processors)
-    what = f"{RUNS} runs of a controller, {processors} processors / one: the worst of all ({name})"
+    goal = {1: 0.9, 2: 1.8}.get(available, 0.6 * available)
+    what = f"{RUNS} runs of a controller, {available} processors / one: the worst of all ({name})"
     yield Goal(what, slowest, "times", goal, least=True)
 
 
@@ -184,9 +185,9 @@ def worth_of_processors() -> float:
     Two processors that are threads of one core share what it computes with: then no ratio above is
     greater than this. Measured in processor time, so that others on the machine do less harm.
     """
-    processors = os.cpu_count() or 1
-    start = threading.Barrier(processors)
-    ways = [compiled(workload.even()) for _ in range(processors)]
+    available = processors()
+    start = threading.Barrier(available)
+    ways = [compiled(workload.even()) for _ in range(available)]
     points = points_of(ways[0].rulebase, 8_000)  # in the cache
 
     def call(way: Callable[..., object]) -> float:
@@ -200,15 +201,15 @@ def worth_of_processors() -> float:
         return [call(way) for _ in range(200)]
 
     alone = min(call(ways[0]) for _ in range(400))
-    with ThreadPoolExecutor(processors) as pool:
+    with ThreadPoolExecutor(available) as pool:
         together = itertools.chain(*pool.map(calls, ways))
-    return processors * alone / statistics.median(together)
+    return available * alone / statistics.median(together)
 
 
-def batch_ratio(name: str, processors: int) -> float:
+def batch_ratio(name: str, available: int) -> float:
     """Return how much faster a batch of closed loops is with all processors."""
     made, path = controller(name), reach_return()
-    times = {1: math.inf, processors: math.inf}
+    times = {1: math.inf, available: math.inf}
     for _ in range(ROUNDS):
         for workers, found in times.items():
 
@@ -218,7 +219,7 @@ def batch_ratio(name: str, processors: int) -> float:
                 )
 
             times[workers] = min(found, best(batch, 1, time.perf_counter))
-    return times[1] / times[processors]
+    return times[1] / times[available]
 
 
 def main() -> int:

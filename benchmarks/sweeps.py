@@ -27,6 +27,7 @@ from fuzzyarm.control.loop import simulate_many
 from fuzzyarm.control.loop.blocks import packed
 from fuzzyarm.control.loop.many import Bench, cut
 from fuzzyarm.plant import reach_return
+from fuzzyarm.symbolic.kernels import processors
 
 sys.path.insert(0, str(Path(__file__).parent))
 from closed_loop import CONTROLS, begun, compile_c, experiment_of, write_data
@@ -118,7 +119,7 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--runs", type=int, default=200, help="of each controller")
     parser.add_argument("names", nargs="*", default=list(GOALS))
     arguments = parser.parse_args(words if words is not None else sys.argv[1:])
-    print(f"processors: {os.cpu_count()}, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
+    print(f"processors: {processors()}, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
     print(f"| {' | '.join(HEADINGS)} |\n|{'---|' * len(HEADINGS)}")
     with tempfile.TemporaryDirectory() as name:
         write_data(Path(name))

@@ -49,6 +49,15 @@ NUMBERS = {
     "linear": "0.5*a - 0.25*b + 1",
     "formula": '"0.5 * a + b ^ 2 / 8"',
 }
+
+
+def numbers_of(name: str) -> str:
+    """Return the numbers of a shape; of one that has none above, what its record allows."""
+    names, positive = SHAPES[name].parameters, SHAPES[name].positive
+    usual = (f"{1.5 if each in positive else k - 0.6:g}" for k, each in enumerate(names))
+    return NUMBERS.get(name) or " ".join(usual)
+
+
 Case = tuple[tuple[str, str], dict[str, str]]
 SETS = [name for name, shape in SHAPES.items() if shape.fuzzy]
 MONOTONIC = ("ramp", "sigmoid", "z", "s", "concave", "arc")
@@ -80,9 +89,9 @@ def hedge_words(name: str) -> str:
 def shape_cases() -> Iterator[Case]:
     """Yield a term of each shape: of an input, of an output, and of Tsukamoto's."""
     for name in SHAPES:
-        line = f"term u S: {name} {NUMBERS[name]}"
+        line = f"term u S: {name} {numbers_of(name)}"
         if name in SETS:
-            more = f"term a S: {name} {NUMBERS[name]}"
+            more = f"term a S: {name} {numbers_of(name)}"
             yield ("input", name), {"term": "S", "more": more}
         if name in ("singleton", "linear", "formula"):
             values = "term u N: singleton -3\nterm u Z: singleton 0\nterm u P: singleton 2.5\n"

@@ -120,7 +120,8 @@ class FitRequest(Request):
         group=SEARCH,
     )
     time: str | None = option(
-        "--time TIME", "time limit, as in 90s or 10min; the best so far is written", None,
+        "--time TIME", "time limit on the clock, as in 90s or 10min; the best so far is written",
+        None,
         group=SEARCH,
     )  # fmt: skip
     seed: int = option("--seed N", "seed of all random numbers", 0, Limits(0), group=SEARCH)

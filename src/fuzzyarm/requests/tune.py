@@ -74,7 +74,11 @@ class TuneRequest(Workers, ExperimentRequest):
         "--evals N", "candidates, 500 by default", 500, (1, MOST_EVALS), idle=True, group=SEARCH
     )
     time: str | None = option(
-        "--time TIME", "time limit, as in 90s or 10min", None, idle=True, group=SEARCH
+        "--time TIME",
+        "time limit on the clock, as in 90s or 10min; --evals limits the work",
+        None,
+        idle=True,
+        group=SEARCH,
     )
     digits: int = option(
         "--digits N", "of the numbers that are written", 3, (1, MOST_TUNED_DIGITS), idle=True,

@@ -288,9 +288,12 @@ class RunRecord:
 
         Periods with a NaN error do not count.
         """
-        sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)
-        counted = self.ticks - sums[UNKNOWN]
-        return np.where(counted > 0, sums[kind] / np.maximum(counted, 1.0), np.nan)
+        counted = self.ticks - self.errors(UNKNOWN)
+        return np.where(counted > 0, self.errors(kind) / np.maximum(counted, 1.0), np.nan)
+
+    def errors(self, kind: int) -> NDArray[np.float64]:
+        """Return for each tracked output a row of ``note_errors``."""
+        return np.asarray(np.array(self.clock[self._errors :]).reshape(ERRORS, -1)[kind])
 
     @property
     def _errors(self) -> int:

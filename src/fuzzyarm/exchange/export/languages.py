@@ -237,8 +237,10 @@ def _with_helpers(
     return operation_text
 
 
-def _listed(head: str, number: Callable[[Printer, float, Kind], str]) -> Callable[..., str]:
-    """Return the text of arrays of constants in brackets, after a head with holes."""
+def _listed(
+    head: str, number: Callable[[Printer, float, Kind], str], end: str = "];"
+) -> Callable[..., str]:
+    """Return the text of arrays of constants, between a head with holes and an end."""
 
     def array_text(
         printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int
@@ -246,7 +248,7 @@ def _listed(head: str, number: Callable[[Printer, float, Kind], str]) -> Callabl
         texts = [number(printer, x, kind) if _is_float(kind) else str(x) for x in values]
         kind_name = printer.target.types.get(kind, "")
         opening = head.format(name=name, type=kind_name, count=len(texts))
-        return "\n".join([opening, *number_lines(texts, columns), "];"])
+        return "\n".join([opening, *number_lines(texts, columns), end])
 
     return array_text
 

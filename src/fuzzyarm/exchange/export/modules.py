@@ -34,7 +34,9 @@ class Module(NamedTuple):
     create : str
         Makes a controller.
     frame : str
-        The file: ``<constants>``, ``<helpers>``, ``<parts>``, ``<more>`` and ``<test>``.
+        The file: ``<name>`` (the stem of its path), ``<constants>``, ``<helpers>``, ``<parts>``,
+        ``<more>`` and ``<test>``, which sets ``failed``. Names that it declares itself are reserved
+        words of its language, but not ``failed``.
     controller : str
         A class: ``<fields>``, ``<starts>``, ``<parameters>``, ``<returned>`` and ``<step>``.
     own : str
@@ -42,7 +44,8 @@ class Module(NamedTuple):
     field, start : str
         A member where it is declared, and where it gets its value.
     arrays : tuple of str
-        The value of an array of zeros, of equal elements, of those of a constant.
+        The value of an array of zeros, of equal elements, of those of a constant, with holes
+        ``count``, ``value``, ``name`` (of the constant), ``type``, ``letter`` and ``bytes``.
     more : callable, optional
         From a printer to further lines.
     """
@@ -60,8 +63,8 @@ class Module(NamedTuple):
     more: Callable[[Printer], list[str]] | None = None
 
 
-def module_of(printer: Printer, module: Module) -> str:
-    """Return the text of a module without its head."""
+def module_of(printer: Printer, module: Module, name: str = "module") -> str:
+    """Return the text of a module without its head; `name` is the stem of its file."""
     program, parts = printer.program, list(printer.functions)
     if program.step is not None:
         parts.append("\n".join(_class(printer, module)))
@@ -71,9 +74,9 @@ def module_of(printer: Printer, module: Module) -> str:
     for each in program.tests:
         stem = f"test of {printer.called[each.function]}" if each.function else "test"
         test += printer.test_lines(each, stem)
-    blocks = {
+    blocks: dict[str, Sequence[str] | str] = {
         "constants": printer.constants, "helpers": printer.helpers, "parts": parts, "test": test,
-        "more": module.more(printer) if module.more else [],
+        "more": module.more(printer) if module.more else [], "name": name,
     }  # fmt: skip
     return "\n".join(["", *_filled(module.frame, blocks), ""])
 

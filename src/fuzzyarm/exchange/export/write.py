@@ -496,7 +496,7 @@ def routines_module(
           for line in (call, *(f"  {word}" for word in routine_words(routine)), "")),
         module.test.format(name),
     ]  # fmt: skip
-    return _headed(words, module, module_of(printer, module)), calls
+    return _headed(words, module, module_of(printer, module, name)), calls
 
 
 def controller_module(
@@ -513,7 +513,7 @@ def controller_module(
     test = SelfTest("", np.float64, rows, len(vectors.inputs[0]), vectors.tolerance, loose, late)
     lowered.tests.append(test)
     printer = Printer(lowered, module.target)
-    body = module_of(printer, module)
+    body = module_of(printer, module, name)
     if module.target.names == "python":
         program = program.measured(_driven(body, vectors.inputs))
     call = f"step({', '.join(FunctionPrinter(printer, lowered.step).parameter_texts())})"

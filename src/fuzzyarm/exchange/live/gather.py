@@ -25,7 +25,7 @@ from types import FrameType, ModuleType
 from typing import Any, NamedTuple
 
 MEASURING = 40.0
-"""Seconds for the evaluation of all systems."""
+"""Processor seconds for the evaluation of all systems."""
 
 MOST_MADE, DEEPEST = 1000, 3
 """Most systems kept alive after the script dropped them; search depth in its objects."""
@@ -284,7 +284,7 @@ def _gathered(
     systems, left_out = _systems(
         module, stem, lambda value: library_of(value) is not None, whole=whole
     )
-    deadline = time.monotonic() + MEASURING
+    deadline = time.process_time() + MEASURING
     records = [_as_found(name, system, options, deadline) for name, system in systems.items()]
     return {"found": records, "left_out": left_out}
 

@@ -280,8 +280,8 @@ def _system(objects: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
 
 # --- The process ---
 
-_MEASURING = gather.MEASURING + 60.0
-"""Seconds after the script until its process is killed."""
+_MEASURING = 10.0 * gather.MEASURING
+"""Seconds on the clock, after those of the script, until its process is killed."""
 
 
 def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
