@@ -575,3 +575,41 @@ def test_nothing_is_found_that_follows_from_a_mistake(tmp_path, name):
             found = {(d.line, d.name) for d in check_file(path).diagnostics}
             assert (k + 1, "unknown-signal") in found
             assert found - {(k + 1, "unknown-signal")} <= before
+
+
+UNTUNED = """controller servo "a DC motor"
+use pd7 from "pd7.frb"
+period 1 ms
+gain K = 2 "1/rad"{}
+axis shaft
+  e = error of position * K
+  v = measured speed
+  d = rate of e, filter 5 ms
+  u = rules pd7(e, d)
+  drive volts = u
+  drive voltage = u * 10, within -99 .. 99
+"""
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ", tune 5 .. 1",
+        ", tune 0 .. 5 log",
+        ", tune 1 .. x",
+        ", tun x",
+        ", tune 1 5 .. 6",
+        "\ntune K 1 .. 5",
+        "\ntune\n  gain K 1 .. 5",
+        "\nexpect e = 1 -> u = 2",
+    ],
+)
+def test_a_wrong_range_of_tuning_hides_nothing(tmp_path, wrong):
+    path = tmp_path / "untuned.frb"
+    more = wrong.count("\n")
+    path.write_text(UNTUNED.format(""))
+    right = [(d.line, d.name) for d in check_file(path).diagnostics]
+    assert {(7, "unknown-port"), (10, "unknown-port"), (11, "wide-limits")} <= set(right)
+    path.write_text(UNTUNED.format(wrong))
+    found = [(d.line - more, d.name) for d in check_file(path).diagnostics if d.line > 4 + more]
+    assert found == [(line, name) for line, name in right if line > 4]

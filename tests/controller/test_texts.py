@@ -116,6 +116,8 @@ ORACLES = {
     "u = hysteresis of e, width 3": lambda x: played(x, 1.5),
     "u = e * 2 - 3 * e / 4 + 1": lambda x: [v * 2 - 3 * v / 4 + 1 for v in x],
     "u = -e": lambda x: [-v for v in x],
+    "u = e * -30 + e / -4": lambda x: [-30 * v - v / 4 for v in x],
+    "u = lag of e * -3, time 0.2 s": lambda x: [-3 * v for v in lagged(x, 0.2)],
 }
 
 
@@ -138,6 +140,8 @@ def test_each_source_is_what_the_page_says(line, values):
           "drive u = j * 40, within -2 .. 2"],
          lambda x: drawn_back(x, 2.0, 0.5, -400.0)),
         (["i = integral of e, anti-windup hold", "drive u = -i * 100, within -2 .. 2"],
+         lambda x: held(x, 2.0, -100.0)),
+        (["i = integral of e, anti-windup hold", "drive u = i * -100, within -2 .. 2"],
          lambda x: held(x, 2.0, -100.0)),
         (["i = integral of e, anti-windup back 1 ms", "drive u = i * 5, within -2 .. 2"],
          lambda x: drawn_back(x, 2.0, 0.001, 5.0)),

@@ -13,6 +13,7 @@ from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controller_names import ControllerNames
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
+from fuzzyarm.language.document import Statement
 from fuzzyarm.language.loop_claims import LoopClaimNode
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.model.controller import (
@@ -43,25 +44,26 @@ MAX_EVERY = 100_000
 
 
 def elaborate_controller(
-    nodes: Sequence[StatementNode], rulebase: RuleBase | None
+    statements: Sequence[Statement], rulebase: RuleBase | None
 ) -> tuple[ControllerModel, list[Diagnostic]]:
     """Return the model of a controller from its statements, with the findings.
 
     Parameters
     ----------
-    nodes : sequence of StatementNode
+    statements : sequence of Statement
         Statements of a file with a line ``controller``, including those of a rule base.
     rulebase : RuleBase or None
         The rule base in the same file.
     """
-    return _Scope(nodes, rulebase).controller()
+    return _Scope(statements, rulebase).controller()
 
 
 class _Scope:
     """Names in scope, and the findings so far."""
 
-    def __init__(self, nodes: Sequence[StatementNode], rulebase: RuleBase | None) -> None:
-        self.nodes = nodes
+    def __init__(self, statements: Sequence[Statement], rulebase: RuleBase | None) -> None:
+        self.statements = statements
+        self.nodes = nodes = [statement.node for statement in statements]
         self.rulebase = rulebase
         self.scope = Scope()
         self.broken = {node.keyword for node in nodes if isinstance(node, Broken)}
@@ -76,7 +78,7 @@ class _Scope:
         rulebases = () if self.rulebase is None else (self.rulebase,)
         uses = tuple(node for node in self.nodes if isinstance(node, Use))
         complete = not self.broken and not self.unread  # an unreadable line may use a name
-        names = ControllerNames(self.nodes, self.rulebase, self.scope, complete=complete)
+        names = ControllerNames(self.statements, self.rulebase, self.scope, complete=complete)
         self.turned = names.turned
         axes = self._axes()
         count = max(1, sum(len(axis.names) for axis in axes))

@@ -11,6 +11,7 @@ from itertools import takewhile
 
 from fuzzyarm.base.diagnostic import Related, Severity, Span, Word, span_of
 from fuzzyarm.language.declarations import Scope
+from fuzzyarm.language.document import Statement
 from fuzzyarm.language.model.controller import (
     Axes,
     Drive,
@@ -23,7 +24,7 @@ from fuzzyarm.language.model.controller import (
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.rows import mentions
-from fuzzyarm.language.statements import ControllerHeading, StatementNode
+from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
 from fuzzyarm.language.tokens import name_text
 
 __all__ = ["ControllerNames"]
@@ -43,7 +44,7 @@ class ControllerNames:
 
     def __init__(
         self,
-        nodes: Sequence[StatementNode],
+        statements: Sequence[Statement],
         sheet: RuleBase | None,
         scope: Scope,
         *,
@@ -57,19 +58,20 @@ class ControllerNames:
         self.signals: Names = {}  # of the axes at hand
         self.later: Names = {}  # signals that are made further below
         self.read: set[tuple[str, str]] = set()
+        nodes = [statement.node for statement in statements]
         if sheet is not None:
             heading = next(node for node in nodes if isinstance(node, ControllerHeading))
             self.sheets[sheet.name] = heading.name.span
             self.read.add((_SHEETS, sheet.name))
-        self._walk(nodes)
+        self._walk(statements, nodes)
 
-    def _walk(self, nodes: Sequence[StatementNode]) -> None:
+    def _walk(self, statements: Sequence[Statement], nodes: Sequence[StatementNode]) -> None:
         for node in nodes:
             names = self.numbers if isinstance(node, GainModel | Partner) else self.sheets
             for name in mentions(node) if isinstance(node, GainModel | Partner | Use) else ():
                 self._declare(name, names)
         in_axes = False
-        for index, node in enumerate(nodes):
+        for index, (node, _, in_hole) in enumerate(statements):
             if isinstance(node, Axes):
                 if in_axes:
                     self._judge_unused("signal", self.signals, "unused-signal")
@@ -77,18 +79,22 @@ class ControllerNames:
                 self.read = {(sort, name) for sort, name in self.read if sort != "signal"}
                 for name in mentions(node):
                     self._declare(name, self.axes)
-            elif isinstance(node, Line):
-                self._judge_line(node)
+            elif isinstance(node, Line | Broken):
+                self._judge_line(node, in_hole)
         if in_axes:
             self._judge_unused("signal", self.signals, "unused-signal")
         self._judge_unused(_NUMBERS, self.numbers, "unused-name")
         self._judge_unused(_SHEETS, self.sheets, "unused-name")
 
-    def _judge_line(self, node: StatementNode) -> None:
+    def _judge_line(self, node: StatementNode, in_hole: Sequence[Occurrence]) -> None:
         if isinstance(node, Drive) and self._is_turned(node):
             self.turned.append(node)
             return
-        names = [name for name in mentions(node) if name.kind in (NameKind.SIGNAL, NameKind.USE)]
+        names = [
+            name
+            for name in (*mentions(node), *in_hole)
+            if name.kind in (NameKind.SIGNAL, NameKind.USE)
+        ]
         for name in names:
             if not name.is_definition:
                 self._need(name)

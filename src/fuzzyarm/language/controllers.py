@@ -270,8 +270,8 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                         stop="tune",
                     ),
                     Phrase("unit", _read_unit, '"UNIT"', _unit_text, empty=""),
-                    Maybe(FixedText(","), Inside("tune", _TUNE)),
-                    finish=True,
+                    # A mistake in the range of tuning leaves the gain as it is.
+                    Forgiving(Maybe(FixedText(","), Inside("tune", _TUNE)), finish=True),
                 ),
                 gap=" ",
             ),
@@ -409,12 +409,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                         Number("slew", "the largest change per second"),
                     ),
                     Maybe(
-                        FixedText(
-                            # The last option reports a word that fits none: it names all.
-                            "on",
-                            "or 'slew' or 'within' after the comma",
-                            "value of the drive while an input is not a number",
-                        ),
+                        FixedText("on", "", "value of the drive while an input is not a number"),
                         FixedText("nan", "after 'on'", "a value that is not a number"),
                         Number("on_nan", "the value sent in a skipped period"),
                     ),

@@ -186,7 +186,7 @@ def elaborate_lookup(node: LookupNode, scope: Scope) -> Lookup:
         axis = _axis(scope.drafts[name], levels, bins, scope)
         if axis is not None:
             axes.append(axis)
-    if not any(key == "levels" for key, _ in items):
+    if not node.unread and not any(key == "levels" for key, _ in items):
         scope.report("missing-levels", "the lookup block names no levels", node.span)
     return Lookup(tuple(axes), _rounding(items.get(("round", None)), scope))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import ChainMap
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -24,8 +24,8 @@ from fuzzyarm.base.diagnostic import (
 )
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.model.rulebase import Rule
-from fuzzyarm.language.phrases import aligned
-from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, text_of
+from fuzzyarm.language.phrases import Occurrence, aligned
+from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, mentions, text_of
 from fuzzyarm.language.statements import (
     CONTROLLER,
     STATEMENTS,
@@ -46,10 +46,11 @@ from fuzzyarm.symbolic.kinds import HEDGES
 
 
 class Statement(NamedTuple):
-    """A statement and the comments around it."""
+    """A statement and the comments around it; `names` are those in its unreadable part."""
 
     node: StatementNode
     trivia: Trivia = Trivia()
+    names: tuple[Occurrence, ...] = ()
 
 
 class Document(NamedTuple):
@@ -172,7 +173,7 @@ def _group_lines(
     waiting: list[str] = []
     heading = "rulebase"
     in_axis = False  # a line with an equals sign is a signal there
-    below_unknown = False
+    below_unknown: Collection[str] = ()  # words of lines that go with an unknown statement
     for line in lines:
         if len(diagnostics) > MAX_DIAGNOSTICS:
             break
@@ -182,9 +183,9 @@ def _group_lines(
             continue
         first = line.tokens[0]
         record = _record_of(line, heading, groups, in_axis=in_axis)
-        if below_unknown and line.indented and record is None:
+        if below_unknown and line.indented and (record is None or record.word in below_unknown):
             continue  # of the statement that is not known, which is one finding
-        below_unknown = False
+        below_unknown = ()
         if record is not None:
             groups.append(_StatementTokens(record, line.tokens, tuple(waiting), line.comment))
             heading = record.word if record.word in HEADINGS else heading
@@ -204,7 +205,8 @@ def _group_lines(
                 )
             )
             if replacement is None:
-                below_unknown = True
+                elsewhere = STATEMENTS.get(first.text)
+                below_unknown = {"", *(elsewhere.words if elsewhere is not None else ())}
                 continue
             # Continue with the probable intention, so that one slip is one finding.
             name_token = first._replace(kind="name", text=replacement)
@@ -230,6 +232,8 @@ def _is_astray(line: SourceLine, heading: str, groups: Sequence[_StatementTokens
 
 def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
     """Return the probable statement for an unknown word below a heading."""
+    if word == "tune" and heading == "controller":
+        return "a gain has its range behind it:  gain NAME = VALUE, tune LOW .. HIGH", None
     for other in HEADINGS:
         if other != heading and word in statements_below(other):
             return f"it belongs below a line  {other} NAME , above the next heading", None
@@ -296,8 +300,8 @@ class ParseMemory:
 
     def __init__(self) -> None:
         self._lines: list[tuple[str, SourceLine, Found]] = []
-        self._statements: dict[int, tuple[_StatementTokens, StatementNode, Found]] = {}
-        self._fresh: dict[int, tuple[_StatementTokens, StatementNode, Found]] = {}
+        self._statements: dict[int, tuple[_StatementTokens, _Read]] = {}
+        self._fresh: dict[int, tuple[_StatementTokens, _Read]] = {}
         self._scope: Hashable = None
         self._rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
         self._fresh_rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
@@ -322,14 +326,14 @@ class ParseMemory:
                 break  # this is not a rule base; reading all of it would take forever
         return self.lines
 
-    def read(self, group: _StatementTokens) -> tuple[StatementNode, Found]:
-        """Return a statement and its diagnostics; it is read where it is not as it was."""
+    def read(self, group: _StatementTokens) -> _Read:
+        """Return a statement; it is read where it is not as it was."""
         line = group.tokens[0].line
         earlier = self._statements.get(line)
         if earlier is None or earlier[0].tokens != group.tokens or earlier[0].lines != group.lines:
-            earlier = (group, *_read_group(group))
+            earlier = group, _read_group(group)
         self._fresh[line] = earlier
-        return earlier[1], earlier[2]
+        return earlier[1]
 
     def finish(self) -> None:
         """Forget everything not in the text just read."""
@@ -387,17 +391,18 @@ def parse_statements(text: str, line: int) -> Document:
 def _read_lines(
     lines: list[SourceLine],
     diagnostics: list[Diagnostic],
-    read: Callable[[_StatementTokens], tuple[StatementNode, Found]],
+    read: Callable[[_StatementTokens], _Read],
 ) -> Document:
     """Return the statements in `lines`; `diagnostics` are those of the lexer."""
     groups, ending = _group_lines(lines, diagnostics)
     statements = []
     for group in groups:
         node: StatementNode = Broken(group.record.word, group.tokens[0].span)
+        names: tuple[Occurrence, ...] = ()
         if len(diagnostics) <= MAX_DIAGNOSTICS:
-            node, line_diagnostics = read(group)
+            node, line_diagnostics, names = read(group)
             diagnostics += line_diagnostics
-        statements.append(Statement(node, Trivia(group.before, group.behind)))
+        statements.append(Statement(node, Trivia(group.before, group.behind), names))
     # The lexer's finding on a token precedes the parser's.
     first: dict[tuple[int, int], Diagnostic] = {}
     strange = {d.line for d in diagnostics if d.name == "unexpected-character"}
@@ -408,21 +413,35 @@ def _read_lines(
     return Document(tuple(statements), ending, _allowances(lines), ordered)
 
 
-def _read_group(group: _StatementTokens) -> tuple[StatementNode, Found]:
+class _Read(NamedTuple):
+    """A statement, its findings, and the names in its unreadable part."""
+
+    node: StatementNode
+    found: Found
+    names: tuple[Occurrence, ...]
+
+
+def _read_group(group: _StatementTokens) -> _Read:
     # A token already reported by the lexer needs no second finding: it is read as the probable
     # name.
     is_reported = any(token.kind == "bad" for token in group.tokens)
     tokens = [t._replace(kind="name") if t.kind == "bad" else t for t in group.tokens]
-    cursor = Cursor(tokens, group.lines)
+    cursor = Cursor(tokens, group.lines, recovers=not is_reported)
     hedges = len(HEDGES.words)
+    broken = Broken(group.record.word, cursor.whole)
     try:
         node: StatementNode = group.record.row.read(cursor)
+        if cursor.is_damaged or not cursor.at_end:
+            cursor.mentioned += mentions(node)
         cursor.finish()
+        if cursor.is_damaged:
+            node = broken
     except Fault as fault:
         if len(HEDGES.words) > hedges:
             return _read_group(group)  # another package has brought the hedge that was missing
-        return Broken(group.record.word, cursor.whole), () if is_reported else (fault.diagnostic,)
-    return node, () if is_reported else tuple(cursor.forgiven)
+        cursor.damage(fault)
+        node = broken
+    return _Read(node, () if is_reported else tuple(cursor.forgiven), tuple(cursor.mentioned))
 
 
 def size_fault(text: str) -> Diagnostic | None:
@@ -461,7 +480,7 @@ def print_document(document: Document) -> str:
     lines: list[str] = []
     previous: StatementNode | None = None
     aligned_lines = _aligned_lines(document)
-    for index, (node, trivia) in enumerate(document.statements):
+    for index, (node, trivia, _) in enumerate(document.statements):
         if previous is not None and _wants_distance(previous, node) and "" not in trivia.before:
             lines.append("")
         first, *rest = (aligned_lines.get(index) or text_of(node)).split("\n")
@@ -511,7 +530,7 @@ def _aligned_lines(document: Document) -> dict[int, str]:
     """Return the lines of variables and terms by statement; neighbours of a kind are aligned."""
     runs: list[list[int]] = []
     before: type | None = None
-    for index, (node, trivia) in enumerate(document.statements):
+    for index, (node, trivia, _) in enumerate(document.statements):
         if ROWS[type(node)].in_columns:
             if type(node) is not before or "" in trivia.before:
                 runs.append([])

@@ -7,7 +7,7 @@ demands in :mod:`fuzzyarm.language.demands`.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from typing import TypeVar
 
 from fuzzyarm.base.diagnostic import (
@@ -18,6 +18,7 @@ from fuzzyarm.base.diagnostic import (
     Related,
     Severity,
     Span,
+    Word,
 )
 from fuzzyarm.language.declarations import (
     Draft,
@@ -51,7 +52,7 @@ from fuzzyarm.language.model.rulebase import (
     propositions,
     without_range,
 )
-from fuzzyarm.language.phrases import NameKind
+from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.rule_meaning import elaborate_grid, elaborate_rule, report_too_many
 from fuzzyarm.language.statements import (
@@ -106,6 +107,8 @@ def elaborate(
             add_even_terms(node, scope)
     norms = _settings(nodes, scope)
     memory.enter_scope(_identity(scope))
+    for statement in document.statements:
+        _judge_names(statement.names, scope)
     blocks = _blocks(nodes, scope, norms, memory)
     heading = _single(nodes, Heading, "heading", scope)
     rulebase = RuleBase(
@@ -121,6 +124,18 @@ def elaborate(
     )
     _judge_whole(rulebase, nodes, scope)
     return rulebase, scope.diagnostics
+
+
+def _judge_names(names: Iterable[Occurrence], scope: Scope) -> None:
+    """Report unknown names in the unreadable part of a statement."""
+    for name in names:
+        word = Word(name.name, name.span)
+        if name.is_definition:
+            continue
+        if name.kind is NameKind.VARIABLE:
+            scope.variable(word)
+        elif name.kind is NameKind.TERM:
+            scope.term(scope.drafts.get(name.owners[0]), word)
 
 
 def judge_statement(node: StatementNode, scope: Scope) -> None:

@@ -6,7 +6,8 @@ printed, the names it mentions, and its form in a table of the syntax.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 from fuzzyarm.base.diagnostic import Word
@@ -504,14 +505,29 @@ class _Holder:
         return self._item if name == self._field else getattr(self._node, name)
 
 
+def read_parts(parts: Sequence[Part], cursor: Cursor, values: Values) -> None:
+    """Read parts in order; after a fault the cursor has the names in those before it."""
+    for index, part in enumerate(parts):
+        try:
+            part.read(cursor, values)
+        except Fault:
+            note_names(parts[:index], cursor, values)
+            raise
+
+
+def note_names(parts: Sequence[Part], cursor: Cursor, values: Values) -> None:
+    """Note the names in parts of a damaged statement."""
+    node = SimpleNamespace(**values)
+    cursor.mentioned += [name for part in parts for name in part.mentions(node)]
+
+
 class _Together(Part):
     """Parts read and printed one after the other."""
 
     parts: tuple[Part, ...]
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        for part in self.parts:
-            part.read(cursor, values)
+        read_parts(self.parts, cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
         for part in self.parts:
@@ -596,16 +612,11 @@ class OptionParts(Part):
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         values.update(self.fields())
+        by_word = {option.first: option for option in self.options}
+        what = " or ".join(f"'{word}'" for word in sorted(by_word)) + " after the comma"
         while cursor.accept(","):
-            # The last option requires its word: its message covers all of them.
-            *others, last = self.options
-            for option in others:
-                if cursor.accept(option.first):
-                    option.read_rest(cursor, values)
-                    break
-            else:
-                cursor.expect(last.first, last.where)
-                last.read_rest(cursor, values)
+            with cursor.up_to(","):
+                by_word[cursor.word(what, by_word, "unexpected-token")].read_rest(cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
@@ -648,14 +659,19 @@ class Forgiving(_Together):
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
+        damaged_before, cursor.is_damaged = cursor.is_damaged, False
         try:
             super().read(cursor, values)
+            if cursor.is_damaged:
+                note_names(self.parts, cursor, values)
             if self.finish:
                 cursor.finish()
         except Fault as fault:
             cursor.forgive(fault)
+        if cursor.is_damaged:
             # Also fields read before the fault: half a range is not a range.
             values.update(self.fields())
+        cursor.is_damaged = damaged_before
 
 
 class OneOf(Part):
@@ -675,8 +691,7 @@ class OneOf(Part):
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         values[self.field] = word = cursor.word(self.what, self.cases, self.finding)
-        for part in self.cases[word]:
-            part.read(cursor, values)
+        read_parts(self.cases[word], cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""

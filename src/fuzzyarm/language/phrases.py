@@ -550,9 +550,12 @@ class SettingNode(NamedTuple):
     @classmethod
     def read_all(cls, cursor: Cursor, of: str = "") -> tuple[SettingNode, ...]:
         """Read one or more settings with commas between them; an editor offers those `of`."""
-        settings = [cls._read(cursor, of)]
-        while cursor.accept(","):
-            settings.append(cls._read(cursor, of))
+        settings = []
+        more = True
+        while more:
+            with cursor.up_to(","):
+                settings.append(cls._read(cursor, of))
+            more = cursor.accept(",") is not None
         return tuple(settings)
 
     @classmethod

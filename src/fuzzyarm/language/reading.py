@@ -122,8 +122,8 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     if ControllerHeading in heads:
         from fuzzyarm.language.controller_meaning import elaborate_controller
 
-        nodes = [statement.node for statement in repaired.statements]
-        whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
+        sheet = partial if Heading in heads else None
+        whole, more = elaborate_controller(repaired.statements, sheet)
         findings += [finding for finding in more if finding.line not in mended]
     # The meaning of a text that was cut off is not judged.
     diagnostics = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]

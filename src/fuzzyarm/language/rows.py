@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fuzzyarm.language.parts import Column, Part, Printed, Values
+from fuzzyarm.language.parts import Column, Part, Printed, Values, read_parts
 from fuzzyarm.language.phrases import Occurrence, aligned
 from fuzzyarm.language.tokens import Cursor, Fault, Trivia
 
@@ -67,21 +67,29 @@ class Inside(Part):
 
 
 class Lines(Part):
-    """The lines below the statement, each a separate node; a faulty one is left out."""
+    """The lines below the statement, each a separate node.
 
-    def __init__(self, field: str, row: StatementRow) -> None:
-        self.field, self.row = field, row
+    A faulty one is left out, and noted in the field `unread`.
+    """
+
+    def __init__(self, field: str, row: StatementRow, unread: str) -> None:
+        self.field, self.row, self.unread = field, row, unread
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         cursor.finish()
         items = []
         for line in cursor.lines:
+            below = Cursor(line.tokens, recovers=cursor.recovers)
             try:
-                items.append(self.row.read_line(Cursor(line.tokens), line.trivia))
+                item = self.row.read_line(below, line.trivia)
+                items += [] if below.is_damaged else [item]
             except Fault as fault:
-                cursor.forgiven.append(fault.diagnostic)
+                below.damage(fault)
+            cursor.forgiven += below.forgiven
+            cursor.mentioned += below.mentioned
         values[self.field] = tuple(items)
+        values[self.unread] = len(items) < len(cursor.lines)
 
     def below(self, node: Any) -> list[tuple[str, Trivia]]:
         """Return the lines, aligned."""
@@ -128,8 +136,7 @@ class StatementRow:
     def read(self, cursor: Cursor) -> Any:
         """Read the node; a :class:`~fuzzyarm.language.tokens.Fault` where it cannot be read."""
         values: Values = {}
-        for part in self.parts:
-            part.read(cursor, values)
+        read_parts(self.parts, cursor, values)
         if self._spans:
             values["span"] = cursor.whole
         return self.node(**values)
@@ -137,6 +144,8 @@ class StatementRow:
     def read_line(self, cursor: Cursor, trivia: Trivia) -> Any:
         """Read a node that is a line below another, with the comments around it."""
         node = self.read(cursor)
+        if cursor.is_damaged or not cursor.at_end:
+            cursor.mentioned += self.mentions(node)
         cursor.finish()
         return node._replace(trivia=trivia)
 

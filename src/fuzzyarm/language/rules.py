@@ -154,15 +154,16 @@ class GridNode(NamedTuple):
         header, *lines = cursor.lines
         top = Cursor(header.tokens)
         row, column, columns = cls.read_header(top)
+        cursor.forgiven += top.forgiven
         grid = cls(output, condition, row, column, columns, (), header.trivia, top.whole, span)
         grid = grid._replace(joined=tuple(grid._replace(output=other) for other in others))
         rows: list[tuple[RowNode, ...]] = []
         for line in lines:
-            below = Cursor(line.tokens)
+            below = Cursor(line.tokens, recovers=cursor.recovers)
             try:
                 rows.append(RowNode.read(below, grid, line.trivia))
             except Fault as fault:
-                cursor.forgiven.append(fault.diagnostic)
+                below.damage(fault)
             cursor.forgiven += below.forgiven
         if not lines:
             message = f"the grid for '{output}' has no rows"

@@ -201,11 +201,14 @@ def read_sum(cursor: Cursor) -> tuple[Product, ...]:
 
 
 def _read_factors(cursor: Cursor, *first: Factor) -> tuple[Factor, ...]:
-    """Read the part after ``*`` and ``/``."""
+    """Read the part after ``*`` and ``/``, where a number may have a sign."""
     factors = list(first)
     while cursor.next_is("*") or cursor.next_is("/"):
         divides = cursor.take().text == "/"
-        factors.append(_read_factor(cursor, divides))
+        if cursor.at_figure:
+            factors.append(Factor(cursor.figure("a number"), divides))
+        else:
+            factors.append(_read_factor(cursor, divides))
     return tuple(factors)
 
 
@@ -269,7 +272,8 @@ def read_options(cursor: Cursor, kinds: Mapping[str, OptionKind]) -> Given:
     while cursor.accept(","):
         if not kinds:
             cursor.fail("the end of the line", (), "trailing-text")
-        options.append(_read_option(cursor, kinds))
+        with cursor.up_to(","):
+            options.append(_read_option(cursor, kinds))
     return tuple(options)
 
 

@@ -57,6 +57,15 @@ def _source(match: re.Match[str]) -> str:
     return f"{word}{SOURCES[word].joined} {match[2] or match[3]}"
 
 
+_SHAPE_OF = {1: "singleton", 3: "triangle", 4: "trapezoid"}
+
+
+def _with_shape(match: re.Match[str]) -> str:
+    """Return a term with the shape that takes as many numbers as it has."""
+    shape = _SHAPE_OF.get(len(re.findall(_N, match[2])))
+    return match[0] if shape is None else f"{match[1]}: {shape} {match[2]}"
+
+
 _STARTERS = {*STATEMENTS, *CONTROLLER_STATEMENTS}
 _SMALL = "words of the language are written in small letters"
 _DOTS = "a range is written with two points"
@@ -74,6 +83,8 @@ CORRECTIONS = tuple(Correction(*row) for row in (
     ("a statement ends with its line, without a mark", "", r"\s*[;,]\s*$", ""),
     ("write the range after the name", "input output",
      rf"^(\s*\w+\s+{_NAME})\s*(?::=|[:=]|\b(?:in|range)\b)[\s:=]*", r"\1 "),
+    ("write the shape of a term before its numbers", "term",
+     rf"^(\s*term\s+{_NAME}\s+{_NAME})\s*[:=]\s*((?:{_N}[\s,]+){{0,3}}{_N})\s*$", _with_shape),
     ("a shape has its name of here", "term", rf"({_NAME})(?=\s*[-+.\d\[(])",
      lambda m: (m[1] not in SHAPES and near_hint(m[1], SHAPES)[1]) or m[1]),
     ("write a colon after the name of a term", "term",
@@ -106,6 +117,7 @@ CORRECTIONS = tuple(Correction(*row) for row in (
      rf"^(\s*gain\s+{_NAME})\s*[:\s]\s*(?=[-+.\d\[])", r"\1 = "),
     ("one value for each axis, with commas between them", "gain",
      r"\[\s*([^\]]*?)\s*\]", lambda m: _listed(m[1])),
+    ("write a comma before the range of tuning", "gain", r"(?<!,)\s+(?=tune\s+[-+.\d])", ", "),
     ("limits are called within", "signal drive",
      r"(,?)\s*\b(?:limits?|saturat\w*|clamp\w*)\b(?=\s*[\[(+\d.-])", r"\1 within"),
     ("write a comma before an option", "signal drive",
@@ -158,6 +170,8 @@ EXAMPLES = {
         "rule if x > 3 then y is B", "rule if x < 3 then y is B", "rule if x >= 3 then y is B"),
     "a term belongs to a variable, as in  term x LOW: triangle 0 2 5": (
         "term LOW: triangle 0 2 5", "term LOW = triangle 0 2 5"),
+    "a term is a shape and its numbers, as in  term x LOW: triangle 0 2 5": (
+        "term x LOW: 0 2", "term x LOW: 0 2 5 6 7"),
     "a controller has neither rules nor 'if': write a rule base, and  u = rules NAME(e, ce)": (
         "  if e > 3 then u = 0", "  if e is A then u is B", "  rule if e is A then u is B"),
     "a line has one source, first, of a signal: write  x = error of position  above, and x here": (
@@ -175,7 +189,7 @@ EXAMPLES = {
     "-1 .. 1 , and a curve of one signal as a rule base,  y = rules NAME(x)": (
         "  x = abs(e)", "  x = max(-2, u)", "  x = rules clip(u, -1, 1)"),
     "a gain is made of numbers and pi: compute it on a line of an axis": (
-        "gain k = 2 * g", "gain k = 2 * (3)"),
+        "gain k = 2 * g", "gain k = g * 2", "gain k = g", "gain k = 2 * (3)"),
     'a unit is written in double quotes, as in  gain k = 4.5 "V"': (
         "gain k = 4.5 V", "gain k = 16 1/s"),
 }  # fmt: skip
@@ -249,7 +263,14 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
         best, diagnostics = again, diagnostics | more
     said = [_explained(finding, lines) for finding in best.diagnostics]
     ordered = sorted([*said, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
-    return best._replace(diagnostics=tuple(ordered)), frozenset(diagnostics)
+    # A line that is like an example means something else: the parser misread its names.
+    misread = {new.line for new, old in zip(said, best.diagnostics, strict=True) if new is not old}
+    statements = tuple(
+        statement._replace(names=()) if statement.node.span.line in misread else statement
+        for statement in best.statements
+    )
+    best = best._replace(statements=statements, diagnostics=tuple(ordered))
+    return best, frozenset(diagnostics)
 
 
 def _explained(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:

@@ -198,9 +198,10 @@ class LookupItem(NamedTuple):
 
 
 class LookupNode(NamedTuple):
-    """The ``lookup`` block."""
+    """The ``lookup`` block; `unread` where a line of it could not be read."""
 
     items: tuple[LookupItem, ...]
+    unread: bool = False
     span: Span = NOWHERE
 
 
@@ -462,11 +463,8 @@ def _read_family(cursor: Cursor) -> Word:
     except Fault as fault:
         if token is None or token.kind != "name":
             raise
-        finding = fault.diagnostic
-        if finding.replacement is not None:  # a misspelt family
-            cursor.take()
-        else:  # the first term: the family is missing
-            finding = replace(finding, replacement=f"triangles {token.text}")
+        # The first term: the family is missing.
+        finding = replace(fault.diagnostic, replacement=f"triangles {token.text}")
         cursor.forgiven.append(finding)
         return Word("triangles", token.span)
 
@@ -704,7 +702,7 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "lookup",
             "how the lookup table is sampled",
-            StatementRow(LookupNode, Keyword("lookup"), Lines("items", LOOKUP_ROW)),
+            StatementRow(LookupNode, Keyword("lookup"), Lines("items", LOOKUP_ROW, "unread")),
             takes_lines=True,
             outline="lookup",
         ),
@@ -759,7 +757,7 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "tune",
             "movable numbers for `fuzzyarm tune`; ignored otherwise",
-            StatementRow(TuneNode, Keyword("tune"), Lines("items", TUNE_ROW)),
+            StatementRow(TuneNode, Keyword("tune"), Lines("items", TUNE_ROW, "unread")),
             takes_lines=True,
             outline="tune",
         ),

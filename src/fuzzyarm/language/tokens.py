@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, split_lines
 from fuzzyarm.base.names import is_plain_name, near_hint, quote
@@ -212,17 +213,31 @@ class Cursor:
     ----------
     lines : sequence of BlockLine
         The lines below the statement.
+    recovers : bool
+        Whether reading goes on after a mistake, for the mistakes behind it.
     forgiven : list of Diagnostic
         Mistakes that did not keep it from being read.
+    is_damaged : bool
+        Whether one of them left a hole: the tokens after it are read for further mistakes only.
+    mentioned : list
+        Occurrences of names in what was read of a damaged statement.
     """
 
     def __init__(
-        self, tokens: tuple[Token, ...] | list[Token], lines: Sequence[BlockLine] = ()
+        self,
+        tokens: tuple[Token, ...] | list[Token],
+        lines: Sequence[BlockLine] = (),
+        *,
+        recovers: bool = False,
     ) -> None:
         self.tokens = tokens
         self.lines = lines
+        self.recovers = recovers
         self.position = 0
         self.forgiven: list[Diagnostic] = []
+        self.is_damaged = False
+        self.mentioned: list[Any] = []
+        self._hole = -2  # index of the last token that was a mistake
 
     @property
     def at_end(self) -> bool:
@@ -266,8 +281,37 @@ class Cursor:
     def expect(self, text: str, where: str) -> Token:
         """Take the word or mark `text`; else a fault that it is missing `where`."""
         if not self.next_is(text):
-            self.fail(f"'{text}' {where}", (text,) if text.isalpha() else ())
+            self._fail_or_mend(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
+
+    def _fail_or_mend(self, expected: str, choices: Collection[str], name: str = "") -> str:
+        """Note a misspelt word, and return the one of `choices` that was meant; else a fault."""
+        try:
+            self.fail(expected, choices, name)
+        except Fault as fault:
+            meant = fault.diagnostic.replacement
+            if not self.recovers or meant is None or meant not in choices:
+                raise
+            self.forgiven.append(fault.diagnostic)
+            return meant
+
+    def damage(self, fault: Fault) -> None:
+        """Note a fault that leaves a hole; one right behind another hole is the same mistake."""
+        if self.position != self._hole + 1:
+            self.forgiven.append(fault.diagnostic)
+        self.is_damaged, self._hole = True, self.position
+
+    @contextmanager
+    def up_to(self, mark: str) -> Iterator[None]:
+        """Read a part of a list; after a fault in it, reading goes on with the next `mark`."""
+        try:
+            yield
+        except Fault as fault:
+            if not self.recovers:
+                raise
+            self.damage(fault)
+            while not self.at_end and not self.next_is(mark):
+                self.position += 1
 
     def fail(self, expected: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         """Raise the fault *expected …, found …*, with a hint if one of `choices` is near."""
@@ -284,7 +328,7 @@ class Cursor:
         For faults after the declared name of a statement: the name is known anyway, so its uses are
         not reported as mistakes, too.
         """
-        self.forgiven.append(fault.diagnostic)
+        self.damage(fault)
         self.position = len(self.tokens)
 
     def name(self, what: str) -> Word:
@@ -347,10 +391,10 @@ class Cursor:
     def word(self, what: str, choices: Collection[str], name: str) -> Word:
         """Take one of the words `choices`; a fault is called `name` and hints at the nearest."""
         token = self.peek()
-        if token is None or token.kind != "name" or token.text not in choices:
-            self.fail(what, choices, name)
-        self.position += 1
-        return Word(token.text, token.span)
+        text = token.text if token is not None and token.kind == "name" else ""
+        if text not in choices:
+            text = self._fail_or_mend(what, choices, name)
+        return Word(text, self.take().span)
 
     def string(self) -> Word | None:
         """Take a string in double quotes if there is one."""
@@ -371,7 +415,7 @@ class Cursor:
     def figure(self, what: str, *, finite: bool = True) -> Figure:
         """Take a number with an optional sign; a fault if it is not finite but must be."""
         if not self.at_figure:
-            self.fail(what)
+            return self._hole_for(what)
         start = self.span
         before = self.tokens[self.position - 1]
         where = before.line, before.end
@@ -389,6 +433,18 @@ class Cursor:
         if finite and not math.isfinite(value):
             raise Fault(Diagnostic("bad-number", f"expected {what}, a finite number", span))
         return Figure(value, span)
+
+    def _hole_for(self, what: str) -> Figure:
+        """Note a word in the place of a number, and skip it; a fault where there is no word."""
+        token = self.peek()
+        try:
+            self.fail(what)
+        except Fault as fault:
+            named = token is not None and token.kind != "mark" and not is_reserved(token.text)
+            if not self.recovers or not named:
+                raise
+            self.damage(fault)
+            return Figure(math.nan, self.take().span)
 
     def finish(self) -> None:
         """Require the end of the line."""

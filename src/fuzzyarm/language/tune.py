@@ -102,9 +102,9 @@ def _peak_word(cursor: Cursor) -> str | None:
     for word in _CHOICES:
         if cursor.accept(word):
             return word
-    if not cursor.at_end:
-        cursor.fail(f"one of {_LISTED}", _CHOICES, "unknown-setting")
-    return None
+    if cursor.at_end:
+        return None
+    return str(cursor.word(f"one of {_LISTED}", _CHOICES, "unknown-setting"))
 
 
 class _Scale(Part):
@@ -180,7 +180,8 @@ TUNE_ROW = StatementRow(
 
 
 class TuneNode(NamedTuple):
-    """The ``tune`` block."""
+    """The ``tune`` block; `unread` where a line of it could not be read."""
 
     items: tuple[TuneItem, ...]
+    unread: bool = False
     span: Span = NOWHERE

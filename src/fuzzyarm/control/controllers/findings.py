@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Protocol, TypeVar
 
-from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span, Word, span_of
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, Site, lacking, site_of, text_law_of
@@ -165,7 +165,8 @@ def sound_part(
     What is found in the rest does not follow from a mistake. None where one is in the head or in
     no line: then all may follow from it.
     """
-    wrong = [finding.span for finding in findings if finding.is_error]
+    # A line that is of no statement defines nothing that others read.
+    wrong = [f.span for f in findings if f.is_error and f.name != "unknown-statement"]
     nodes = [statement.node for statement in document.statements]
     broken = [x for x in nodes if isinstance(x, Broken) and x.keyword not in CHANGING]
     lines = [line for _, line in model.lines()]
@@ -176,13 +177,25 @@ def sound_part(
     def sound(parts: Iterable[P]) -> tuple[P, ...]:
         return tuple(x for x in parts if not any(_is_in(span, x.span) for span in wrong))
 
-    gains, uses = sound(model.gains), sound(model.uses)
+    gains = sound([_untuned(gain, wrong) for gain in model.gains])
+    uses = sound(model.uses)
     known = {gain.name for gain in gains} | {use.name for use in uses}
     known |= {partner.name for partner in model.partners}
     known |= {rulebase.name for rulebase in model.rulebases}
     axes = tuple(replace(axes, lines=_sound_lines(axes, sound(axes.lines), known))
                  for axes in model.axes)  # fmt: skip
     return replace(model, axes=axes, gains=gains, uses=uses, claims=())
+
+
+def _untuned(gain: GainModel, wrong: Sequence[Span]) -> GainModel:
+    """Return a gain whose range of tuning is the only mistake in it without that range."""
+    if not gain.values:
+        return gain
+    known = gain.unit.span if isinstance(gain.unit, Word) and gain.unit else gain.values[-1].span
+    inside = [span for span in wrong if _is_in(span, gain.span)]
+    if not inside or min(span[:2] for span in inside) < known[2:]:
+        return gain
+    return replace(gain, tune=None, span=span_of(gain.name).to(known))
 
 
 def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Line, ...]:
