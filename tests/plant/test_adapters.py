@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 import pickle
 import re
 import subprocess
@@ -20,7 +21,7 @@ from fuzzyarm.control.loop import Options, Signal, simulate
 from fuzzyarm.language import parse
 from fuzzyarm.plant import PlantError, find_plant
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
-from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.plant.plant import with_actuators, with_parameters
 
 STILL = {"x": Signal("step", (0.0,))}
 
@@ -220,6 +221,28 @@ def test_a_unit_for_co_simulation_moves_itself(unit, version):
             u = min(2.0 * (1.0 - y), 5.0)
             for _ in range(8):
                 y += (gain * u - y) / 0.5 * 0.02 / 8
+
+
+@pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
+@pytest.mark.parametrize(("whole", "part"), [(0, 0.013), (1, 0.0), (2, 0.004)])
+def test_the_actuator_of_a_unit_is_late_to_the_instant(unit, kind, whole, part):
+    late = with_actuators(find_plant(unit(3, kind)), {}, {"power": whole * 0.02 + part})
+    found = simulate(controller(*LAW), copy.copy(late), reference=WANTED, duration=0.4)
+    y, line = 0.0, [0.0] * (whole + 1)
+
+    def moved(y, u, h):
+        if kind == "CoSimulation":  # by eight steps, as the unit itself
+            for _ in range(8):
+                y += (2.0 * u - y) / 0.5 * h / 8
+            return y
+        return 2.0 * u + (y - 2.0 * u) * math.exp(-h / 0.5)
+
+    for shown in found.outputs["heat"]:
+        assert shown == pytest.approx(y, rel=1e-12 if kind == "CoSimulation" else 1e-6)
+        line.append(min(2.0 * (1.0 - y), 5.0))
+        before = line.pop(0)
+        y = moved(y, before, part) if part else y
+        y = moved(y, line[0], 0.02 - part)
 
 
 @pytest.mark.parametrize("version", [2, 3])

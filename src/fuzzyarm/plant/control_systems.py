@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from fuzzyarm.base.errors import demand_extra
+from fuzzyarm.plant.actuators import advance, dead_time, limit
 from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -23,6 +24,7 @@ from fuzzyarm.plant.plant import (
     numbers_of,
 )
 from fuzzyarm.plant.setting import RunArithmetic
+from fuzzyarm.symbolic.kernels import with_names
 
 RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
 """Outputs that are rates of others, by their usual names."""
@@ -233,9 +235,9 @@ def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
     Parameters
     ----------
     thing : Plant or ControllerText
-        A plant is sampled: fourth-order Runge-Kutta steps with held inputs, limited to their
-        range. A controller has its states in those of the system: 0 in the first one (the default)
-        resets it.
+        A plant is sampled: fourth-order Runge-Kutta steps with held inputs, limited in range and
+        slew, and late by the dead times of their actuators. A controller has its states in those of
+        the system: 0 in the first one (the default) resets it.
     period : float, optional
         Sampling period of a plant, s. A controller has its own.
     **options
@@ -288,38 +290,58 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
     numbers = numbers_of(plant, (), RunArithmetic())
     parts = max(1, math.ceil(period / plant.longest_step - 1e-9))
     ports = list(interface.inputs.values())
-    # States of the system: those of the plant, then the last values of slew-limited inputs.
+    # States of the system: those of the plant, then the last values of slew-limited inputs, then
+    # of each late input its values of the periods before, youngest first.
     slewed = [index for index, port in enumerate(ports) if port.slew < math.inf]
+    delays = [dead_time(port.dead_time, period) for port in ports]
+    queues = [count + (rest > 0.0) for count, rest in delays]
+    turns = sorted(range(len(ports)), key=lambda index: delays[index][1])
 
-    def felt(x: Any, u: Any) -> Any:
-        """Limit the inputs in range and slew."""
-        values = np.array([min(max(v, p.low), p.high) for v, p in zip(u, ports, strict=True)])
-        for at, index in enumerate(slewed):
-            most = ports[index].slew * period
-            before = x[states + at]
-            values[index] = min(max(values[index], before - most), before + most)
-        return values
+    def felt(x: Any, u: Any) -> tuple[Any, list[float], Any]:
+        """Return the inputs as they act, dead times for the rest of the period, next states."""
+        limits: Any = np.array([[p.low, p.high, p.slew * period, p.idle] for p in ports])
+        limits[slewed, 3] = x[states : states + len(slewed)]
+        drives: Any = np.array(u, float)
+        limit(drives, limits.ravel(), False)
+        last, lines = drives[slewed], np.split(x[states + len(slewed) :], np.cumsum(queues)[:-1])
+        late: list[float] = []
+        for index, (queue, (_, rest), turn) in enumerate(zip(lines, delays, turns, strict=True)):
+            line = [drives[index], *queue]
+            lines[index] = np.array(line[:-1])
+            late += [0.0, rest, 0.0, line[-2] if rest else line[-1], turn]
+            drives[index] = line[-1]
+        return drives, late, np.concatenate([last, *lines])
 
     def clock(t: float) -> Any:
         clock_values = np.zeros(CLOCK_SIZE)
         clock_values[:3] = t, period, parts
         return clock_values
 
+    def moved(_task: int, _links: Any, *arrays: Any) -> None:
+        move(*arrays)
+
+    in_parts = with_names(advance, {"ask_plant": moved})
+
     def after(t: float, x: Any, u: Any, _params: Any) -> Any:
-        drives = felt(x, u)
+        drives, late, rest = felt(x, u)
         # State array of the kernel: the states, then scratch for its Runge-Kutta steps.
         board = np.concatenate([x[:states], np.zeros(WORK * states)])
-        move(board, None, drives, numbers, clock(t))
-        return np.concatenate([board[:states], drives[slewed]])
+        in_parts([], board, None, drives, numbers, clock(t), late, [], 0)
+        return np.concatenate([board[:states], rest])
 
     def outputs(t: float, x: Any, u: Any, _params: Any) -> Any:
         measured = np.zeros(size)
-        measure(np.asarray(x[:states], float), measured, felt(x, u), numbers, clock(t))
+        measure(np.asarray(x[:states], float), measured, felt(x, u)[0], numbers, clock(t))
         return measured
 
     names = {kind: _labels(interface, kind) for kind in ("inputs", "outputs")}
     labels = [signal_name(name) for name in plant.states]
     labels += [f"{names['inputs'][index]}_before" for index in slewed]
+    labels += [
+        f"{name}_pending{k + 1}"
+        for name, count in zip(names["inputs"], queues, strict=True)
+        for k in range(count)
+    ]
     return control.nlsys(
         after, outputs, dt=period, name=signal_name(plant.name), states=labels, **names
     )

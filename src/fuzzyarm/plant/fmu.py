@@ -107,12 +107,10 @@ class UnitPlant(Plant):
     # Copies (with other parameters) and other processes start their own instance.
 
     def __copy__(self) -> UnitPlant:
-        other = UnitPlant(self.path, longest_step=self.longest_step)
-        other.parameters = self.parameters
-        return other
+        return _again(self.path, self.longest_step, self.parameters, self.inputs)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        return _again, (self.path, self.longest_step, self.parameters)
+        return _again, (self.path, self.longest_step, self.parameters, self.inputs)
 
     # --- Running ---
 
@@ -257,7 +255,7 @@ def _freed(unit: Any) -> None:
         unit.component = None
 
 
-def _again(path: str, longest_step: float, parameters: Any) -> UnitPlant:
+def _again(path: str, longest_step: float, parameters: Any, inputs: Any) -> UnitPlant:
     plant = UnitPlant(path, longest_step=longest_step)
-    plant.parameters = cast(Any, parameters)
+    plant.parameters, plant.inputs = cast(Any, parameters), cast(Any, inputs)
     return plant

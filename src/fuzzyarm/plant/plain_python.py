@@ -164,6 +164,9 @@ def _require_followable(plant: Plant) -> None:
 def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
     if what in ("inputs", "outputs"):
         if isinstance(value, Port):
+            if what == "outputs" and value.dead_time:
+                hint = f"a sensor is delayed by --sensor-delay {name}=TIME"
+                raise _fault(plant, what, f"output '{name}' has the delay of an actuator", hint)
             return
         unit = value if isinstance(value, str) else "1"
         rest = ", 0, 100" if what == "inputs" else ""

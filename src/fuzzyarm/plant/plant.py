@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.errors import FuzzyarmError, UsageError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.shown import one_line
+from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
 from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.symbolic.kernels import (
@@ -58,6 +59,9 @@ class Port:
     start : float, optional
         Of an input: value before the first control period, where slewing begins. By default 0, or
         the limit nearest to 0.
+    delay : float or str, optional
+        Of an input: dead time of the actuator, s, or with its unit, as in ``"30ms"``; the value
+        may change inside a control period.
     rate_of : str, optional
         Of an output: the port of the same axis whose rate it is. Its reference is the derivative
         of that port's.
@@ -76,8 +80,10 @@ class Port:
     bound: float = 1e9
     error_bound: float = math.inf
     start: float | None = None
+    delay: float | str = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "delay", _delay(self.delay))
         unit: object = self.unit
         if not isinstance(unit, str):
             hint = f'the unit comes first:  Port("1", {unit}, {self.low})'
@@ -98,6 +104,11 @@ class Port:
             raise PlantError(message, name="start", hint="a value within the limits of the port")
 
     @property
+    def dead_time(self) -> float:
+        """The delay of an actuator, s."""
+        return float(self.delay)
+
+    @property
     def idle(self) -> float:
         """Value of an input without a drive; by default 0 or the limit nearest to 0."""
         return self.within(0.0 if self.start is None else self.start)
@@ -105,6 +116,20 @@ class Port:
     def within(self, value: float) -> float:
         """Return a value clamped to the limits."""
         return min(max(value, self.low), self.high)
+
+
+def _delay(delay: object) -> float:
+    """Return a dead time in s."""
+    try:
+        seconds = read_time(delay, "the delay") if isinstance(delay, str) else delay
+    except UsageError as error:
+        raise PlantError(error.message, name="delay", hint='delay="30ms"') from None
+    if isinstance(seconds, bool) or not isinstance(seconds, int | float | np.number):
+        raise PlantError(f"delay of a port is {delay!r}, not a time", name="delay")
+    if not 0.0 <= seconds < math.inf:
+        hint = "zero or a positive number"
+        raise PlantError(f"a delay of {seconds:g} s is out of range", name="delay", hint=hint)
+    return float(seconds)
 
 
 @dataclass(frozen=True)
@@ -668,23 +693,34 @@ def numbers_of(
     return np.array(numbers, float)
 
 
-def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
-    """Return a plant with other actuators, by input; without an axis those of all axes."""
+def with_actuators(
+    plant: Plant,
+    actuators: Mapping[str, Port],
+    delays: Mapping[str, float] | None = None,
+) -> Plant:
+    """Return a plant with other actuators or dead times, by input; without an axis of all axes."""
     if plant.dynamics is not None:
         hint = "the options --limits and --supply bound its torques and voltages"
         raise PlantError(f"the {plant.name} makes its drives itself", name="actuator", hint=hint)
     interface = interface_of(plant)
     changed = dict(plant.inputs)
     names = {_address(plant, name): name for name in plant.inputs}
-    for name, port in actuators.items():
+
+    def inputs(name: str) -> Iterator[str]:
         for address in interface.every_port(name):
             if address not in names:
                 raise PlantError(f"'{name}' is an output, not an input", name=name)
-            old = interface.inputs[address]
-            start = port.start
+            yield names[address]
+
+    for name, port in actuators.items():
+        for key in inputs(name):
+            old, start = changed[key], port.start
             if start is None and old.start is not None:
                 start = port.within(old.start)
-            changed[names[address]] = replace(port, unit=old.unit, start=start)
+            changed[key] = replace(port, unit=old.unit, start=start, delay=old.delay)
+    for name, delay in (delays or {}).items():
+        for key in inputs(name):
+            changed[key] = replace(changed[key], delay=delay)
     other = copy(plant)
     other.inputs = changed
     return other

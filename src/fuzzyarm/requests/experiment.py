@@ -97,6 +97,10 @@ class ExperimentRequest(Request):
         "limits of a drive, then slew and start: 0..5,slew=2,start=1", (),
         group=AROUND, repeated=True,
     )  # fmt: skip
+    actuator_delay: tuple[str, ...] = option(
+        "--actuator-delay INPUT=TIME", "dead time of an actuator, as in 30ms", (), group=AROUND,
+        repeated=True,
+    )  # fmt: skip
     disturb: tuple[str, ...] = option(
         "--disturb INPUT=SIGNAL", "add this to a drive, as in voltage=step:-2,1", (),
         group=AROUND, repeated=True,

@@ -28,6 +28,9 @@ class MarginsRequest(Request):
     sensor_delay: tuple[str, ...] = option(
         "--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms", (), repeated=True
     )
+    actuator_delay: tuple[str, ...] = option(
+        "--actuator-delay INPUT=TIME", "dead time of an actuator, as in 30ms", (), repeated=True
+    )
     share: float = option(
         "--share S",
         "of the ranges of the rules' inputs around rest, over which their gains are bounded",

@@ -85,6 +85,9 @@ class ProveRequest(Request):
     sensor_delay: tuple[str, ...] = option(
         "--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms", (), repeated=True
     )
+    actuator_delay: tuple[str, ...] = option(
+        "--actuator-delay INPUT=TIME", "dead time of an actuator, as in 30ms", (), repeated=True
+    )
     continuous: bool = option(
         "--continuous", "of a loop: as if the controller ran without a period", False
     )

@@ -93,8 +93,8 @@ class RequestForm(Generic[AnyRequest]):
 
 
 AROUND = (
-    "connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb",
-    "interpolate",
+    "connect", "noise", "quantise", "sensor_delay", "difference", "actuator",
+    "actuator_delay", "disturb", "interpolate",
 )  # fmt: skip
 
 RUN = RequestForm(
@@ -137,17 +137,17 @@ PROVE_LOOP = RequestForm(
     ProveRequest,
     ("claim", "plant", "stable", "map", "over", "duration", "from", "with", "at", "sector",
      "continuous", "budget"),
-    ("connect", "quantise", "sensor_delay"),
-    title="connections and sensors",
+    ("connect", "quantise", "sensor_delay", "actuator_delay"),
+    title="connections, sensors, actuators",
 )  # fmt: skip
 """Of a rule base, and of a controller in its loop."""
 
 MARGINS = RequestForm(
     MarginsRequest,
     ("plant", "at", "with", "share", "budget"),
-    ("connect", "sensor_delay"),
+    ("connect", "sensor_delay", "actuator_delay"),
     open="file",
-    title="connections and sensors",
+    title="connections, sensors, actuators",
 )
 
 WRITTEN_TABLES = (".lut", ".csv", ".tex")

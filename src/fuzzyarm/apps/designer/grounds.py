@@ -101,6 +101,7 @@ MANY = (
     "sensor_delay",
     "difference",
     "actuator",
+    "actuator_delay",
     "disturb",
 )
 """Fields of several words."""
@@ -165,7 +166,7 @@ def request_on(plant: Plant, request: Experiment) -> Experiment:
 
 def seconds_of(word: str) -> float:
     """Return how long a run lasts, s; WordError if it is not a time, or not one above zero."""
-    from fuzzyarm.control.loop.reference import read_time
+    from fuzzyarm.language.model.controller import read_time
 
     seconds = read_time(word, "the duration")
     if not seconds > 0.0:

@@ -24,6 +24,7 @@ from fuzzyarm.control.loop.reference import (
     as_seconds,
     as_signal,
 )
+from fuzzyarm.plant.actuators import dead_times, is_whole, periods_of
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -48,7 +49,6 @@ from fuzzyarm.plant.setting import (
     RunArithmetic,
 )
 from fuzzyarm.symbolic.kernels import has_machine_code
-from fuzzyarm.symbolic.sources import whole_periods
 
 Vector = NDArray[np.float64]
 
@@ -308,16 +308,6 @@ def motion(
         path,
         duration=duration,
     )
-
-
-def periods_of(delay: float, period: float) -> int:
-    """Return a delay in whole control periods, halves rounded up."""
-    return whole_periods(delay, period)
-
-
-def is_whole(delay: float, period: float) -> bool:
-    """Whether a delay is a whole number of control periods, within the rounding of its digits."""
-    return math.isclose(delay, periods_of(delay, period) * period, rel_tol=1e-6, abs_tol=1e-12)
 
 
 def delay_notes(options: Options, period: float) -> tuple[str, ...]:
@@ -611,6 +601,8 @@ class Course:
         # The generator has 31 bits.
         setting = self._flat(self._setting._replace(seed=run_seed % 2**31))
         parts = {**self._parts, "setting": setting, "limits": self._flat(self._limits())}
+        ports = self.site.interface.inputs.values()
+        parts["late"] = self._flat(dead_times(list(ports), self.motion.period, self.steps))
         if len(parts["sensors"]):
             # Noise is drawn anew only for another seed.
             own = {"sensors": self._flat(parts["sensors"])}

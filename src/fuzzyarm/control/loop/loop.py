@@ -28,9 +28,15 @@ from numpy.typing import NDArray
 
 from fuzzyarm.control.controllers.law import summed_drives
 from fuzzyarm.control.controllers.on_plant import drives_of_text
+from fuzzyarm.plant.actuators import (
+    advance,
+    ask_plant,
+    handed_on,
+    limit,
+    postpone,
+)
 from fuzzyarm.plant.plant import (
     ACTUATE,
-    ADVANCE,
     CLOCK_SIZE,
     DERIVE,
     IN_SINGLE,
@@ -40,7 +46,7 @@ from fuzzyarm.plant.plant import (
     Dynamics,
 )
 from fuzzyarm.plant.setting import CLOCK, stored, stored_double, stored_single
-from fuzzyarm.symbolic.kernels import call, kernel, letters_of_parts
+from fuzzyarm.symbolic.kernels import kernel, letters_of_parts
 
 
 class LoopConstants(NamedTuple):
@@ -101,6 +107,7 @@ class LoopBlock(NamedTuple):
     ------------------------------------------------------------------------------------------
     sensors         10 each, or 0       see :data:`SENSOR`; behind them the rings of delays
     limits          4 D                 lowest, highest, largest change in a period, last value
+    late            5 D, or 0           see :data:`ACTUATOR`; behind them the rings of dead times
     memory                              state of the laws
     taps            whole               cells of the board that are recorded: tracked outputs,
                                         their references, others
@@ -129,6 +136,7 @@ class LoopBlock(NamedTuple):
     numbers: list[float]
     sensors: list[float]
     limits: list[float]
+    late: list[float]
     memory: list[float]
     taps: list[int]
     board: list[float]
@@ -159,11 +167,12 @@ def run_loop(block: LoopBlock) -> None:
     2. sensors: outputs of time i T with noise, resolution and delay, and what the plant derives of
        them; exact sensors pass the outputs on;
     3. the laws, their drives added up; state of the laws advances;
-    4. actuators: range, then slew, from the drive of the period before;
+    4. actuators: range, then slew, from the drive of the period before, then dead time;
     5. sums of drive changes and of squared errors; in the last period of a set point the sample:
        outputs of i T and the drives that answer them;
     6. loads, behind the actuators;
-    7. the plant from i T to (i + 1) T; its time is that product, not a running sum;
+    7. the plant from i T to (i + 1) T, in parts where the dead time of an actuator ends inside;
+       its time is that product, not a running sum;
     8. random disturbance of the states, if any, then outputs of (i + 1) T;
     9. the test for divergence, which ends the run: an output or error beyond its bound.
 
@@ -178,7 +187,7 @@ def run_loop(block: LoopBlock) -> None:
     setting = constants_of(block.setting)
     references, iterations, pushes = block.references, block.iterations, block.pushes
     plants, links, sensors, noise = block.plants, block.links, block.sensors, block.noise
-    limits, checks, bounds = block.limits, block.checks, block.bounds
+    limits, late, checks, bounds = block.limits, block.late, block.checks, block.bounds
     laws, numbers, memory, taps = block.laws, block.numbers, block.memory, block.taps
     board, state, clock, progress = block.board, block.state, block.clock, block.progress
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
@@ -210,14 +219,14 @@ def run_loop(block: LoopBlock) -> None:
                 sense(board, frame, sensors, noise, tick)
                 derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
             control(board, frame.told, frame.drives, laws, numbers, memory, drives)
-            actuate(links, state, outputs, drives, constants, clock, limits)
+            actuate(links, state, outputs, drives, constants, clock, limits, late, tick)
             note_changes(drives, frame.drives, clock, tick)
             note_errors(board, taps, block.path, tick, errors, tracked)
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, block.record, samples)
                 samples += 1
             push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
-            ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
+            advance(links, state, outputs, drives, constants, clock, late, pushes, tick)
             tick += 1
             clock[TIME] = tick * setting.step
             if setting.disturbance > 0.0:
@@ -347,21 +356,6 @@ def tap(board: list[float], taps: list[int], record: list[float], samples: int) 
 
 
 @kernel
-def ask_plant(
-    task: int,
-    links: list[int],
-    x: list[float],
-    y: list[float],
-    u: list[float],
-    p: list[float],
-    clock: list[float],
-) -> None:
-    """Call the plant with a task, see :mod:`fuzzyarm.plant.plant`."""
-    clock[TASK] = task
-    call(links[0], x, y, u, p, clock)
-
-
-@kernel
 def plant_kernel(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
@@ -392,12 +386,15 @@ def actuate(
     p: list[float],
     clock: list[float],
     limits: list[float],
+    late: list[float],
+    tick: int,
 ) -> None:
-    """Turn commands into actuator values; the plant or the limits do it."""
+    """Turn commands into actuator values: the plant or the limits do it, then dead times."""
     if links[ACTUATES] != 0:
         ask_plant(ACTUATE, links, x, y, u, p, clock)
     else:
         limit(u, limits, clock[IN_SINGLE] != 0.0)
+    postpone(u, late, tick)
 
 
 @kernel
@@ -499,26 +496,6 @@ def push(drives: list[float], size: int, pushes: list[float], tick: int) -> None
             drives[i] += pushes[tick * size + i]
 
 
-@kernel
-def limit(drives: list[float], limits: list[float], single: bool) -> None:
-    """Limit all drives."""
-    for i in range(len(drives)):
-        drives[i] = limited(drives[i], limits, 4 * i, single)
-
-
-@kernel
-def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
-    """Limit a drive in range and slew; NaN passes."""
-    value = stored(wanted, single)
-    # Range before slew: a drive leaves its limit at the full slew rate.
-    value = max(value, limits[at])
-    value = min(value, limits[at + 1])
-    value = max(value, limits[at + 3] - limits[at + 2])
-    value = min(value, limits[at + 3] + limits[at + 2])
-    limits[at + 3] = value
-    return value
-
-
 # --- Sensors ---
 #
 # Ten numbers for each output, followed by the ring buffers of delayed values. The rate of another
@@ -568,19 +545,11 @@ def quantised(sensors: list[float], at: int, value: float) -> float:
 @kernel
 def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
     """Delay a sensor by n periods; before that it gives its first value."""
-    delay = int(sensors[at + DELAY])
-    if delay == 0:
-        return value
-    ring = int(sensors[at + RING])
-    late = value
-    # The cell tick mod delay holds the value written `delay` periods ago, read before it is
-    # overwritten; the first `delay` periods give the value of period 0.
-    if tick >= delay:
-        late = sensors[ring + tick % delay]
-    elif tick > 0:
-        late = sensors[ring]
-    sensors[ring + tick % delay] = value
-    return late
+    count, ring = int(sensors[at + DELAY]), int(sensors[at + RING])
+    if tick == 0:
+        for k in range(count):
+            sensors[ring + k] = value
+    return handed_on(sensors, ring, count, value, tick)
 
 
 @kernel

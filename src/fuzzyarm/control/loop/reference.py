@@ -6,7 +6,6 @@ Python accepts the words of the command line, ``"step:1"``, and times such as ``
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.names import near_hint, shortened
 from fuzzyarm.base.protected import note_source
-from fuzzyarm.language.model.controller import TIMES
+from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.plant.plant import PlantError
 
 Vector = NDArray[np.float64]
@@ -159,22 +158,6 @@ def as_number(value: float, what: str, expected: str = "a number") -> float:
     except (TypeError, ValueError):
         message = f"{what} takes {expected}, not {shortened(repr(value))}"
         raise SignalError(message, name=what) from None
-
-
-def read_time(text: str, option: str) -> float:
-    """Read a time with its unit, s."""
-    match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
-    try:
-        if match is None or match[2] not in TIMES:
-            raise ValueError
-        times, divisor = TIMES[match[2]]
-        value = float(match[1]) * times / divisor
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError
-    except ValueError:
-        units = ", ".join(TIMES)
-        raise UsageError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
-    return value
 
 
 # --- The kinds ---

@@ -16,8 +16,9 @@ from typing import Any, TypeVar
 from fuzzyarm.base.errors import UsageError, WordError, of_the_command_line
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.loop.course import Motion, Options, Sensor
-from fuzzyarm.control.loop.reference import Signal, read_signal, read_time
+from fuzzyarm.control.loop.reference import Signal, read_signal
 from fuzzyarm.control.loop.run import plant_motion, stepped
+from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, PlantError, Port, interface_of, with_actuators
 from fuzzyarm.plant.setting import PLAIN, STUDY, ArmError, Conventions
@@ -30,7 +31,8 @@ _Value = TypeVar("_Value")
 def driven(request: ExperimentRequest, plant: Plant) -> Plant:
     """Return the plant with the requested actuators."""
     actuators = read_pairs(request.actuator, "--actuator", _actuator)
-    return with_actuators(plant, actuators) if actuators else plant
+    delays = read_pairs(request.actuator_delay, "--actuator-delay", _time_of("--actuator-delay"))
+    return with_actuators(plant, actuators, delays) if actuators or delays else plant
 
 
 def named_plant(request: ExperimentRequest) -> Plant:
@@ -144,17 +146,14 @@ def sensors_of(request: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
         for name, value in values.items():
             sensors[name] = replace(sensors.get(name, Sensor()), **{field: value})
 
-    def time(option: str) -> Callable[[str], float]:
-        return lambda text: read_time(text, option)
-
     steps = {
         name: _resolution(text, name, plant)
         for name, text in read_pairs(request.quantise, "--quantise", str).items()
     }
     change(read_pairs(request.noise, "--noise", read_number("--noise")), "noise")
     change(steps, "resolution")
-    change(read_pairs(request.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
-    change(read_pairs(request.difference, "--difference", time("--difference")), "difference")
+    change(read_pairs(request.sensor_delay, "--sensor-delay", _time_of("--sensor-delay")), "delay")
+    change(read_pairs(request.difference, "--difference", _time_of("--difference")), "difference")
     return sensors
 
 
@@ -169,6 +168,10 @@ def read_pairs(
             raise UsageError(f"{option} takes NAME=VALUE, not '{word}'")
         pairs[name.strip()] = read(text.strip())
     return pairs
+
+
+def _time_of(option: str) -> Callable[[str], float]:
+    return lambda text: read_time(text, option)
 
 
 def read_number(option: str) -> Callable[[str], float]:

@@ -20,7 +20,6 @@ from fuzzyarm.control.loop.experiments import (
     with_drives,
     with_plant,
 )
-from fuzzyarm.control.loop.reference import read_time
 from fuzzyarm.control.loop.sweep import read_range
 from fuzzyarm.control.loop.words import (
     connections,
@@ -29,6 +28,7 @@ from fuzzyarm.control.loop.words import (
     references_of,
     seconds,
 )
+from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import Columns, Samples, column_names, read_samples
 from fuzzyarm.learning.tuning.scenarios import Scenario, Stage, plant_scenarios, scenario_along

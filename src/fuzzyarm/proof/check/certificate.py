@@ -23,13 +23,14 @@ from fuzzyarm.base.protected import note_source
 from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim, Stretch, When
-from fuzzyarm.plant.plant import PlantError
+from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import require_sense
 
 __all__ = [
     "Certificate", "CertificateError", "Evidence", "Gains", "RegionProof", "TubeProof",
-    "fingerprints_of", "read_certificate", "sealed", "sensors_by_name", "write_certificate",
+    "delays_by_name", "fingerprints_of", "read_certificate", "sealed", "sensors_by_name",
+    "write_certificate",
 ]  # fmt: skip
 
 FORMAT = "fuzzyarm-proof 1"
@@ -167,6 +168,8 @@ class Certificate:
         SHA-256 of the controller and of the plant that were proved, as they were in memory.
     window : tuple of (str, float, float)
         Of a map: the starts of which the boxes of its tubes are a part, by state.
+    delays : dict of str to float
+        Dead times of actuators by input, s; those of 0 are not there.
     """
 
     claim: LoopClaim
@@ -178,6 +181,7 @@ class Certificate:
     connect: Mapping[str, str] = field(default_factory=dict)
     digests: Mapping[str, str] = field(default_factory=dict)
     window: tuple[Stretch, ...] = ()
+    delays: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def region(self) -> RegionProof:
@@ -202,6 +206,7 @@ class Certificate:
                 }
                 for port, s in self.sensors.items()
             },
+            "delays": {name: _text(delay) for name, delay in self.delays.items()},
             "connect": dict(self.connect),
             "controller": self.controller,
             "sha256": dict(self.fingerprints),
@@ -317,6 +322,11 @@ def fingerprints_of(text: ControllerText) -> dict[str, str]:
         for file in dict.fromkeys(files)
         if file.is_file()
     }
+
+
+def delays_by_name(plant: Plant) -> dict[str, float]:
+    """Return the dead times of actuators as a certificate has them."""
+    return {name: port.dead_time for name, port in plant.inputs.items() if port.dead_time}
 
 
 def sensors_by_name(problem: LoopProblem) -> dict[str, Sensor]:
@@ -447,6 +457,7 @@ def read_certificate(path: str) -> Certificate:
         _texts_of(data["connect"]),
         _texts_of(data["proved"]),
         _stretches(data["window"]),
+        {name: delay.number for name, delay in data["delays"].items()},
     )
 
 

@@ -21,7 +21,7 @@ from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import trusted_plant
-from fuzzyarm.plant.plant import Plant, parameter
+from fuzzyarm.plant.plant import Plant, parameter, with_actuators
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     CertificateError,
@@ -215,11 +215,12 @@ def check_certificate(
     text = _controller(certificate, folder) if text is None else text
     _require_files(certificate, text)
     claim = certificate.claim
+    plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
+    plant = with_actuators(plant, {}, certificate.delays) if certificate.delays else plant
     statement = loop_sentence(
         claim, certificate.sensors, certificate.connect, plant=plant, text=text,
         continuous=certificate.continuous,
     )  # fmt: skip
-    plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
     _require_loop(certificate, text, plant)
     checked = Checked(statement=statement, certificate=certificate)
     try:

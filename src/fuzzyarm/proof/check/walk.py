@@ -14,9 +14,10 @@ from typing import Any, Protocol
 from fuzzyarm.control.controllers import kernel as code
 from fuzzyarm.control.controllers.program import ControllerCode, SourceError, Wiring, write_down
 from fuzzyarm.control.controllers.text import wiring_of
-from fuzzyarm.control.loop.course import Sensor, periods_of
+from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.plant.plant import Address
+from fuzzyarm.plant.actuators import periods_of
+from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.symbolic.identifiers import Names, identifier
@@ -87,6 +88,7 @@ class ProgramWalk:
         for address, actuator in problem.site.interface.inputs.items():
             if actuator.slew < math.inf:
                 self.states[f"driven:{'.'.join(address)}"] = actuator.idle
+            self.states |= dict.fromkeys(self._queue("pending", address, actuator), actuator.idle)
         self.states_read: set[str] = set()
 
     def _collect(self, label: str, sensor: Sensor) -> None:
@@ -355,6 +357,11 @@ class ProgramWalk:
         self._after[f"slope:{label}"] = value
         return value
 
+    def _queue(self, kind: str, address: Address, actuator: Port) -> list[str]:
+        """Return the states of a dead time, youngest first."""
+        count = periods_of(actuator.dead_time, self.problem.period)
+        return [f"{kind}:{'.'.join(address)}:{k + 1}" for k in range(count)]
+
     def _late(self, label: str, delay: float, value: Any) -> Any:
         passed = value
         for k in range(periods_of(delay, self.problem.period)):
@@ -374,6 +381,8 @@ class ProgramWalk:
             name = f"driven:{address[0]}.{address[1]}"
             value = self._near(value, self._state(name), port.slew)
             self._after[name] = value
+        for name in self._queue("pending", address, port):
+            self._after[name], value = value, self._state(name)
         return value
 
 

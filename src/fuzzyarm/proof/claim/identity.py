@@ -175,5 +175,6 @@ def _port_words(port: Port) -> str:
     words = [f"{number_text(port.low)} .. {number_text(port.high)}"]
     words += [] if math.isinf(port.slew) else [f"slew {number_text(port.slew)}"]
     words += [] if port.start is None else [f"start {number_text(port.start)}"]
+    words += [f"delay {number_text(port.dead_time)} s"] if port.dead_time else []
     words += [] if port.bound == Port.bound else [f"bound {number_text(port.bound)}"]
     return ", ".join(words)

@@ -22,7 +22,8 @@ from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.on_plant import Site, site_of
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.control.loop.course import Sensor, is_whole, periods_of
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.plant.actuators import is_whole, periods_of
 from fuzzyarm.plant.equations import expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
@@ -172,13 +173,13 @@ class LoopProblem:
         )
 
 
-def _demand_whole_delays(sensors: Mapping[str, Sensor], period: float) -> None:
-    """Refuse a delay that the loop would round: the sentence of a proof has it as it is."""
-    for name, sensor in sensors.items():
-        count = periods_of(sensor.delay, period)
-        if not is_whole(sensor.delay, period):
+def _demand_whole_delays(delays: Mapping[str, float], period: float) -> None:
+    """Refuse a fraction of a period: a sensor would round it, an actuator changes inside."""
+    for name, delay in delays.items():
+        count = periods_of(delay, period)
+        if not is_whole(delay, period):
             raise LoopProofError(
-                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods, and a loop"
+                f"the delay of '{name}' is {delay / period:.4g} control periods, and a loop"
                 " is proved with whole ones",
                 hint=f"{count} of them are {number_text(count * period)} s",
             )
@@ -193,6 +194,7 @@ def loop_problem(
     set_point: Mapping[str, float] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
     connect: Mapping[str, str] | None = None,
+    inside: bool = False,
 ) -> LoopProblem:
     """Put a closed loop together.
 
@@ -212,6 +214,8 @@ def loop_problem(
         By port.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
+    inside : bool, optional
+        Whether the dead time of an actuator may end inside a period, as margins allow.
 
     Raises
     ------
@@ -229,7 +233,10 @@ def loop_problem(
             f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
     site.wiring(text.model)  # says which port is missing
-    _demand_whole_delays(sensors or {}, text.model.period)
+    delays = {name: sensor.delay for name, sensor in (sensors or {}).items()}
+    if not inside:
+        delays |= {name: port.dead_time for name, port in plant.inputs.items()}
+    _demand_whole_delays(delays, text.model.period)
     numbers = {name: parameter(plant, name).value for name in plant.parameters}
     values = {name: Interval(x, x) for name, x in numbers.items()}
     values |= _chosen("parameter", parameters, plant.parameters)

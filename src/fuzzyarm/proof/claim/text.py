@@ -224,8 +224,9 @@ def problem_of(
     plant: Plant | None = None,
     connect: Mapping[str, str] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
+    inside: bool = False,
 ) -> LoopProblem:
-    """Return the loop of a claim, which has to mean something."""
+    """Return the loop of a claim, which has to mean something; `inside` as in `loop_problem`."""
     require_sense(claim)
     problem = loop_problem(
         text,
@@ -235,6 +236,7 @@ def problem_of(
         set_point=dict(claim.at),
         sensors=sensors,
         connect=connect,
+        inside=inside,
     )
     if claim.output:
         claimed_port(problem, claim)

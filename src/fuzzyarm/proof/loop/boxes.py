@@ -16,6 +16,7 @@ from fuzzyarm.proof.check.certificate import (
     Pair,
     RegionProof,
     TubeProof,
+    delays_by_name,
     fingerprints_of,
     sensors_by_name,
 )
@@ -91,6 +92,7 @@ def certify_tube(
     return Certificate(
         claim, text.path, fingerprints_of(text), tuple(regions), tuple(tubes),
         sensors_by_name(problem), dict(connect or {}), loop_digests(text, problem.plant),
+        delays=delays_by_name(problem.plant),
     )  # fmt: skip
 
 

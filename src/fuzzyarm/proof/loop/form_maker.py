@@ -342,8 +342,9 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
     names = {}
     for name in memory:
         label, _, kind = name.partition(" ")
-        if kind.startswith("late "):
-            names[name] = f"late:{label}:{kind.removeprefix('late ')}"
+        if kind.startswith(("late ", "pending ")):
+            queue, number = kind.split()
+            names[name] = f"{queue}:{label}:{number}"
         elif kind in ("sensed before", "sensed slope"):
             names[name] = f"{kind.removeprefix('sensed ')}:{label}"
         elif kind == "driven":

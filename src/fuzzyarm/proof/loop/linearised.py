@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference import infer
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.actuators import dead_time
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
@@ -84,6 +85,10 @@ class OpenLoop:
         times within a period; the first m of z are the states of the plant.
     period : float
         s.
+    part : float
+        Part of a period after which the drive acts, s, where its dead time ends inside one.
+    before : int
+        Of z, the drive of the period before, where there is such a part.
     """
 
     a: Vector
@@ -91,6 +96,8 @@ class OpenLoop:
     c: Vector
     ahead: Vector
     period: float
+    part: float = 0.0
+    before: int = -1
 
     def at(self, omega: Vector) -> Vector:
         """Return L at frequencies in rad/s."""
@@ -140,15 +147,30 @@ class LinearisedLoop:
         """Slopes of the plant's rates by states and inputs, at rest."""
         return _plant_slopes(self.problem, self._inputs_at_rest, self.rest)
 
-    @cached_property
-    def _sampled(self) -> Vector:
-        """Next states by states and held inputs."""
+    def _over(self, time: float) -> Vector:
+        """Return states after a time by states and held inputs."""
         from scipy.linalg import expm
 
         count, size = self._rates.shape
         whole = np.zeros((size, size))
         whole[:count] = self._rates
-        return np.asarray(expm(whole * self.problem.period)[:count])
+        return np.asarray(expm(whole * time)[:count])
+
+    @cached_property
+    def _sampled(self) -> Vector:
+        """Next states by states and held inputs."""
+        return self._over(self.problem.period)
+
+    @cached_property
+    def _parts(self) -> list[float]:
+        """Of each input, the part of a period after which it changes, s."""
+        ports = self.problem.site.interface.inputs.values()
+        return [dead_time(port.dead_time, self.problem.period)[1] for port in ports]
+
+    def _pending(self, index: int) -> int:
+        """Return where z has the drive of the period before, of one that changes inside."""
+        label = f"{'.'.join(self.drives[index])} pending "
+        return max(k for k, name in enumerate(self.names) if name.startswith(label))
 
     @cached_property
     def _inputs_at_rest(self) -> Vector:
@@ -173,18 +195,31 @@ class LinearisedLoop:
         """
         inputs, after = self._walk(changed or {})
         count, size = len(self.problem.states), len(self.rest)
-        gains = np.array([form.by for form in inputs]).reshape(len(inputs), size)
         index = self.drives.index(drive)
-        closed = gains.copy()
-        closed[index] = 0.0
-        a = np.zeros((size, size))
+        a, b = np.zeros((size, size)), np.zeros(size)
         a[:count, :count] = self._sampled[:, :count]
-        a[:count] += self._sampled[:, count:] @ closed
         a[count:] = np.array([form.by for form in after]).reshape(size - count, size)
-        b = np.zeros(size)
-        b[:count] = self._sampled[:, count + index]
+        before = -1
+        for k, part in enumerate(self._parts):
+            gain = inputs[k].by
+            acts = self._sampled[:, count + k]
+            if part:
+                # Up to its part of the period the drive of the period before acts, then this one.
+                before = self._pending(k)
+                late = self._over(self.problem.period - part)[:, count + k]
+                a[:count, before] += acts - late
+                acts, gain = late, a[before].copy()
+                if k == index:
+                    a[before], b[before] = 0.0, 1.0
+            if k == index:
+                b[:count], c = acts, -gain
+            else:
+                a[:count] += np.outer(acts, gain)
         ahead = self._rates[:, [*range(count), count + index]]
-        return OpenLoop(a, b, -gains[index], ahead, self.problem.period)
+        return OpenLoop(
+            a, b, c, ahead, self.problem.period, self._parts[index],
+            self._pending(index) if self._parts[index] else -1,
+        )  # fmt: skip
 
 
 def linearised(problem: LoopProblem) -> LinearisedLoop:

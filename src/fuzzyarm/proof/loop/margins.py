@@ -230,7 +230,7 @@ def margins(
     )
     problem = loop_problem(
         text, find_plant(plant), set_point=set_point, parameters=parameters, sensors=sensors,
-        connect=connect,
+        connect=connect, inside=True,
     )  # fmt: skip
     return {".".join(each.drive): each for each in margins_of_problem(problem, share, budget)}
 
@@ -379,18 +379,20 @@ def late_radius(loop: OpenLoop, delay: float) -> float:
     from scipy.linalg import expm
 
     h, m, n = loop.period, len(loop.ahead), len(loop.a)
-    whole, part = divmod(delay, h)
+    whole, part = divmod(loop.part + delay, h)
     whole = int(whole)
     # Over a period the plant sees the drive of `whole + 1` periods ago for `part`, then the next.
     both = np.zeros((m + 1, m + 1))
     both[:m] = loop.ahead
     late = expm(both * (h - part))[:m, m]
-    early = loop.b[:m] - late
+    early = expm(both * h)[:m, m] - late
     size = n + whole + 1
     drives = np.eye(size)[n - 1 :]  # of now, and of 1, 2 … periods ago
     drives[0] = np.concatenate([-loop.c, np.zeros(whole + 1)])
     a = np.zeros((size, size))
     a[:n, :n] = loop.a
+    if loop.part:
+        a[:m, loop.before] = 0.0  # its own part of a period is one of the whole delay
     a[:m] += np.outer(early, drives[whole + 1]) + np.outer(late, drives[whole])
     a[n:] = drives[:-1]
     return float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))

@@ -15,9 +15,9 @@ from fuzzyarm.base.assignments import read_assignments
 from fuzzyarm.base.errors import FuzzyarmError, UsageError, WordError
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.control.loop.reference import read_time
-from fuzzyarm.control.loop.words import connections, sensors_of
+from fuzzyarm.control.loop.words import connections, driven, sensors_of
 from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
@@ -352,9 +352,10 @@ def certify(
 def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
     """Return the plant, connections and sensors of a loop, as keywords of `prove_loop`."""
     loop = ExperimentRequest(
-        connect=request.connect, quantise=request.quantise, sensor_delay=request.sensor_delay
-    )
-    plant = claimed_plant(claim, request.plant, trust=request.trust)
+        connect=request.connect, quantise=request.quantise, sensor_delay=request.sensor_delay,
+        actuator_delay=request.actuator_delay,
+    )  # fmt: skip
+    plant = driven(loop, claimed_plant(claim, request.plant, trust=request.trust))
     setup: dict[str, Any] = {"connect": connections(loop), "plant": plant}
     if loop.quantise or loop.sensor_delay:
         setup["sensors"] = sensors_of(loop, plant)
@@ -411,9 +412,10 @@ def margins_of_text(text: ControllerText, request: MarginsRequest) -> list[Drive
     asked = ProveRequest(
         files=(request.file,), stable=True, plant=plant, at=request.at, with_=request.with_,
         connect=request.connect, sensor_delay=request.sensor_delay,
+        actuator_delay=request.actuator_delay,
     )  # fmt: skip
     claim = claim_of(asked)
-    problem = problem_of(text, claim, **setup_of(asked, claim))
+    problem = problem_of(text, claim, inside=True, **setup_of(asked, claim))
     return margins_of_problem(problem, request.share, request.budget)
 
 

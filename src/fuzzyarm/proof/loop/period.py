@@ -13,9 +13,10 @@ from typing import Generic, TypeVar
 from fuzzyarm.control.controllers.period import Algebra, ControlPeriod, PortValue
 from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ports_of
-from fuzzyarm.control.loop.course import Sensor, periods_of
+from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.controller import Learn, Line, SignalLine, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.actuators import dead_time, periods_of
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 
@@ -59,12 +60,14 @@ class LoopPeriod(Generic[T]):
             if sensor.difference is not None:
                 self.memory[f"{axis}.{port} sensed before"] = math.nan
                 self.memory[f"{axis}.{port} sensed slope"] = 0.0
-            for late in range(periods_of(sensor.delay, problem.period)):
-                self.memory[f"{axis}.{port} late {late + 1}"] = math.nan
+            cells = self._cells(f"{axis}.{port} late", periods_of(sensor.delay, problem.period))
+            self.memory |= dict.fromkeys(cells, math.nan)
         self.memory |= {name: cell.start for name, cell in self.control.cells.items()}
         for (axis, name), actuator in problem.site.interface.inputs.items():
             if actuator.slew < math.inf:
                 self.memory[f"{axis}.{name} driven"] = actuator.idle
+            cells = self._cells(f"{axis}.{name} pending", _periods(actuator, problem.period))
+            self.memory |= dict.fromkeys(cells, actuator.idle)
 
     def _demand_provable(self, index: int, line: Line) -> None:
         """Refuse features that no proof covers, by name."""
@@ -181,13 +184,20 @@ class LoopPeriod(Generic[T]):
             value = algebra.limit(
                 algebra.error(value, 0.5 * sensor.resolution), port.low, port.high
             )
-        # A delay of n periods is n values in a row, each handed on once in a period.
-        late = value
-        for k in range(periods_of(sensor.delay, period)):
-            name = f"{label} late {k + 1}"
-            passed = value if self._first else self._before[name]
-            self._after[name], late = late, passed
-        return late
+        return self._handed_on(f"{label} late", periods_of(sensor.delay, period), value)
+
+    def _cells(self, name: str, count: int) -> list[str]:
+        """Return the memory of a delay of so many periods, youngest first."""
+        return [f"{name} {k + 1}" for k in range(count)]
+
+    def _handed_on(self, name: str, count: int, value: T) -> T:
+        """Return a value of n periods ago: n values in a row, each handed on once in a period."""
+        now = value
+        for cell in self._cells(name, count):
+            begins = self._first and math.isnan(self.memory[cell])
+            passed = now if begins else self._state(cell)
+            self._after[cell], value = value, passed
+        return value
 
     def _actuated(self, address: Address, port: Port, drives: Mapping[Address, T]) -> T:
         algebra = self.algebra
@@ -197,7 +207,8 @@ class LoopPeriod(Generic[T]):
             name = f"{address[0]}.{address[1]} driven"
             value = algebra.near(value, self._state(name), port.slew * self.problem.period)
             self._after[name] = value
-        return value
+        count = _periods(port, self.problem.period)
+        return self._handed_on(f"{address[0]}.{address[1]} pending", count, value)
 
     def _state(self, name: str) -> T:
         """Return the previous value, or the first one."""
@@ -205,6 +216,12 @@ class LoopPeriod(Generic[T]):
             return self._before[name]
         begin = self.memory[name]
         return self.algebra.number(0.0 if math.isnan(begin) else begin)
+
+
+def _periods(actuator: Port, period: float) -> int:
+    """Return the periods that a dead time lasts, one that it ends in included."""
+    count, rest = dead_time(actuator.dead_time, period)
+    return count + (rest > 0.0)
 
 
 def _lines(problem: LoopProblem) -> Iterator[tuple[int, Line]]:

@@ -14,12 +14,12 @@ from fuzzyarm.control.loop.course import Options
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.plant.own import starting_at
-from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.plant import Plant, with_actuators
 from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.region import has_known_start, start_quadric, verified
 from fuzzyarm.proof.claim.problem import LoopProblem
-from fuzzyarm.proof.claim.text import problem_of
+from fuzzyarm.proof.claim.text import claimed_plant, problem_of
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
 
 __all__ = ["RegionPlane", "region_planes"]
@@ -67,10 +67,11 @@ def region_planes(
     certificate = verdict.certificate
     if certificate is None or not certificate.regions:
         return []
+    plant = claimed_plant(certificate.claim) if plant is None else plant
     problem = problem_of(
         text,
         certificate.claim,
-        plant=plant,
+        plant=with_actuators(plant, {}, certificate.delays) if certificate.delays else plant,
         sensors=certificate.sensors,
         connect=certificate.connect,
     )

@@ -25,6 +25,7 @@ from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     RegionProof,
+    delays_by_name,
     fingerprints_of,
     sensors_by_name,
 )
@@ -393,6 +394,7 @@ class _Case:
             claim, self.text.path, fingerprints_of(self.text), (region,), (),
             sensors_by_name(maker.problem), dict(self.connect or {}),
             loop_digests(self.text, maker.problem.plant),
+            delays=delays_by_name(maker.problem.plant),
         )  # fmt: skip
         return self._said(PROVED, certificate=certificate, **facts), ""
 

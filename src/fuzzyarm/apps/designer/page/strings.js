@@ -13,6 +13,7 @@ export const S = {
     sensor_delay: ["Delay of sensors", "position=5ms"],
     difference: ["Rates by differences", "velocity=10ms"],
     actuator: ["Actuators", "voltage=-12..12"],
+    actuator_delay: ["Delay of actuators", "voltage=30ms"],
     disturb: ["Disturbances", "voltage=step:1"],
     interpolate: ["Interpolate the reference"],
     begin: ["Begin with"],
