@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 from needs import need
 
+from fuzzyarm.base.numbers import TIMES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS, SIGNAL
-from fuzzyarm.language.model.controller import SOURCES, TIMES
+from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.model.rulebase import SAMPLINGS
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS

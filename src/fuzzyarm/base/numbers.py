@@ -1,9 +1,12 @@
-"""Exact decimal text of numbers, even levels, and short forms of lists of numbers."""
+"""Exact decimal text of numbers, even levels, short forms of lists of numbers, times."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
+
+from fuzzyarm.base.errors import UsageError
 
 _MOST_DECIMALS = 6
 _SMALLEST_PLAIN = -5
@@ -109,3 +112,31 @@ def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
         return f"{rounded:f}"
     digits_, _, exponent = f"{rounded:e}".partition("e")
     return f"{digits_}e{int(exponent):03d}"  # as Python writes a float: 2.5e-08
+
+
+# --- Times ---
+
+TIMES = {
+    "us": (1.0, 1e6),
+    "ms": (1.0, 1e3),
+    "s": (1.0, 1.0),
+    "min": (60.0, 1.0),
+    "h": (3600.0, 1.0),
+}
+"""Units of time as a multiplier and a divisor of seconds, so that 0.6 ms is the nearest float."""
+
+
+def read_time(text: str, option: str) -> float:
+    """Read a time with its unit, s."""
+    match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
+    try:
+        if match is None or match[2] not in TIMES:
+            raise ValueError
+        times, divisor = TIMES[match[2]]
+        value = float(match[1]) * times / divisor
+        if not (math.isfinite(value) and value >= 0):
+            raise ValueError
+    except ValueError:
+        units = ", ".join(TIMES)
+        raise UsageError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
+    return value

@@ -18,11 +18,10 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.base.names import quote
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
 from fuzzyarm.language.model.controller import (
     SOURCES,
-    TIMES,
     Axes,
     Drive,
     GainModel,

@@ -12,10 +12,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, span_of
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.model.controller import (
     SOURCES,
-    TIMES,
     Amount,
     Factor,
     OptionKind,

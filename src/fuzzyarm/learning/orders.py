@@ -8,7 +8,7 @@ from pathlib import Path
 from fuzzyarm.base import above
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.folders import READABLE
-from fuzzyarm.language.model.controller import read_time
+from fuzzyarm.base.numbers import read_time
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import (
     Columns,

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError, UsageError
 from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import read_time
 from fuzzyarm.base.shown import one_line
-from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
 from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.symbolic.kernels import (

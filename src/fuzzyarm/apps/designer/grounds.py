@@ -166,7 +166,7 @@ def request_on(plant: Plant, request: Experiment) -> Experiment:
 
 def seconds_of(word: str) -> float:
     """Return how long a run lasts, s; WordError if it is not a time, or not one above zero."""
-    from fuzzyarm.language.model.controller import read_time
+    from fuzzyarm.base.numbers import read_time
 
     seconds = read_time(word, "the duration")
     if not seconds > 0.0:

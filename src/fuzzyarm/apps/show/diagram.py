@@ -13,11 +13,10 @@ from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.apps.show.layers import Corner, LayeredGraph, Link, Pins, lay_out
 from fuzzyarm.base.diagnostic import NOWHERE, Span
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import counted, number_text
+from fuzzyarm.base.numbers import TIMES, counted, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
     SOURCES,
-    TIMES,
     Amount,
     Axes,
     ControllerModel,

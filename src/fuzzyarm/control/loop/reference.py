@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.names import near_hint, shortened
+from fuzzyarm.base.numbers import read_time
 from fuzzyarm.base.protected import note_source
-from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.plant.plant import PlantError
 
 Vector = NDArray[np.float64]

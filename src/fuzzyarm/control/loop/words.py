@@ -14,11 +14,11 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from fuzzyarm.base.errors import UsageError, WordError, of_the_command_line
+from fuzzyarm.base.numbers import read_time
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.loop.course import Motion, Options, Sensor
 from fuzzyarm.control.loop.reference import Signal, read_signal
 from fuzzyarm.control.loop.run import plant_motion, stepped
-from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, PlantError, Port, interface_of, with_actuators
 from fuzzyarm.plant.setting import PLAIN, STUDY, ArmError, Conventions

@@ -15,11 +15,11 @@ from typing import Any, NoReturn
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word
 from fuzzyarm.base.names import nearest
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import section_at, statements_below
 from fuzzyarm.language.edit.reading import NOTHING, Facts, Reading, asked_variable
-from fuzzyarm.language.model.controller import SOURCES, TIMES
+from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS, NameKind, Setting, parameter_names

@@ -12,13 +12,12 @@ The records are the nodes of the syntax tree as well: names and numbers of a tex
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span
-from fuzzyarm.base.errors import UsageError
+from fuzzyarm.base.numbers import TIMES
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
 from fuzzyarm.language.model.claims import LoopClaim
@@ -27,7 +26,6 @@ from fuzzyarm.symbolic.sources import SOURCES, OptionKind, Setting, SourceKind
 
 __all__ = [
     "SOURCES",
-    "TIMES",
     "Amount",
     "Axes",
     "ControllerModel",
@@ -46,17 +44,7 @@ __all__ = [
     "Tune",
     "Use",
     "Zoom",
-    "read_time",
 ]
-
-TIMES = {
-    "us": (1.0, 1e6),
-    "ms": (1.0, 1e3),
-    "s": (1.0, 1.0),
-    "min": (60.0, 1.0),
-    "h": (3600.0, 1.0),
-}
-"""Units of time as a multiplier and a divisor of seconds, so that 0.6 ms is the nearest float."""
 
 
 class Time(float):
@@ -76,22 +64,6 @@ class Time(float):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.figure, self.unit)
-
-
-def read_time(text: str, option: str) -> float:
-    """Read a time with its unit, s."""
-    match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
-    try:
-        if match is None or match[2] not in TIMES:
-            raise ValueError
-        times, divisor = TIMES[match[2]]
-        value = float(match[1]) * times / divisor
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError
-    except ValueError:
-        units = ", ".join(TIMES)
-        raise UsageError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
-    return value
 
 
 # --- Numbers by name ---

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from fuzzyarm.base import above
 from fuzzyarm.base.errors import UsageError, WordError
+from fuzzyarm.base.numbers import read_time
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.control.controllers.catalogue import controller_of
 from fuzzyarm.control.controllers.text import ControllerText, files_of
@@ -28,7 +29,6 @@ from fuzzyarm.control.loop.words import (
     references_of,
     seconds,
 )
-from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import Columns, Samples, column_names, read_samples
 from fuzzyarm.learning.tuning.scenarios import Scenario, Stage, plant_scenarios, scenario_along

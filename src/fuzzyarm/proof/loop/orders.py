@@ -13,11 +13,11 @@ from typing import Any
 from fuzzyarm.base import above
 from fuzzyarm.base.assignments import read_assignments
 from fuzzyarm.base.errors import FuzzyarmError, UsageError, WordError
+from fuzzyarm.base.numbers import read_time
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.words import connections, driven, sensors_of
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.language.model.controller import read_time
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
