@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 PACKAGES = (
     "cma", "control", "dask", "distributed", "fmpy", "gymnasium", "loky", "pandas",
-    "numba", "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
+    "numba", "onnx", "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
     "ziglang",
 )  # fmt: skip
 """What the extras bring, as it is imported."""

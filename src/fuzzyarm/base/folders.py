@@ -23,9 +23,12 @@ TABLES = (".lut", ".csv", ".npz", ".json")
 MODULES = (".py", ".mjs", ".js", ".rs")
 """Suffixes of single-file modules: MicroPython, JavaScript, Rust."""
 
-EXPORTS = (".h", ".c", ".st", ".xml", ".scl", *MODULES, ".fmu")
+NETWORK = ".onnx"
+"""Suffix of a table as a network of rectifiers."""
+
+EXPORTS = (".h", ".c", ".st", ".xml", ".scl", *MODULES, ".fmu", NETWORK)
 """Suffixes of exports: a header alone, a .c/.h pair, Structured Text as text and XML, SCL, modules,
-FMUs."""
+FMUs, networks."""
 
 PACKAGES = ("node_modules", "__pycache__", "site-packages")
 """Folders of installed packages."""

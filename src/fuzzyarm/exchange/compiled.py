@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.base.diagnostic import MAX_LEVELS
 from fuzzyarm.base.errors import WordError
-from fuzzyarm.base.folders import MODULES
+from fuzzyarm.base.folders import MODULES, NETWORK
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.map.tables import table_proof
 from fuzzyarm.requests.fields import RequestError
@@ -193,6 +193,9 @@ def routines_for(
     """Return the routines of a rule base or a table, and its tables; as :func:`source_of`."""
     from fuzzyarm.exchange.export import routines_of
 
+    suffix = Path(path).suffix.lower()
+    if suffix == NETWORK and not how.direct:  # a network interpolates between the cells of a table
+        how = replace(how, table=True, mode=how.mode or "linear")
     direct = infers(model, how)
     reports: tuple[CompileReport, ...] = ()
     sources: RuleBase | list[LookupTable]
@@ -205,7 +208,6 @@ def routines_for(
         # Without any output `compiled` raises a clear error.
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         sources = [report.table for report in reports]
-    suffix = Path(path).suffix.lower()
     default = _DEFAULTS.get(suffix, "mixed")
     _refuse_precision(suffix, how)
     # Only the error in the mode in which the table is looked up goes into its head.

@@ -3,7 +3,8 @@
 The suffix of OUT selects the format. Tables: .lut (text), .csv, .npz or .json,
 and .tex (LaTeX, for print). Source text: .h (a single C99 header), .c (with a .h
 beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML), .scl (SCL for the
-TIA Portal), or a module: .py for MicroPython, .mjs or .js for JavaScript, .rs for Rust.
+TIA Portal), or a module: .py for MicroPython, .mjs or .js for JavaScript, .rs for Rust. A table
+also becomes a network of rectifiers: .onnx, for verifiers of neural networks.
 A FILE that is a table is rewritten in the other format.
 
 Levels, bins and rounding are those of the file's `lookup` settings; an input without

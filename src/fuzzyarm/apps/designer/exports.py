@@ -24,7 +24,7 @@ from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.apps.show.compiled import controller_lines, export_lines, report_lines, table_words
 from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.folders import EXPORTS, FOREIGN
+from fuzzyarm.base.folders import EXPORTS, FOREIGN, NETWORK
 from fuzzyarm.base.protected import marked
 from fuzzyarm.exchange.compiled import Making, compiled, making_of, program_of, source_of
 from fuzzyarm.exchange.formats.conversion import converted, findings_of
@@ -64,8 +64,8 @@ WAY: FormField = {
 }
 """What a program computes from: ``--direct`` or ``--table`` of ``fuzzyarm compile``."""
 IN_PAGE = sys.platform == "emscripten"
-OF_MACHINE = frozenset({".fmu", ".npz", *PICTURES})
-"""What a C compiler, NumPy or Matplotlib makes: a page with its own Python does not offer it."""
+OF_MACHINE = frozenset({".fmu", NETWORK, ".npz", *PICTURES})
+"""Made by a C compiler, NumPy, Matplotlib or onnx: a page with its own Python does not offer it."""
 
 WRITTEN_TABLES = (*TABLES, LATEX)
 
@@ -124,7 +124,7 @@ def _kinds(session: Session) -> list[str]:
     if not isinstance(session.reading, Reading):
         return [*_SOURCES, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
     if session.reading.parsed.controller is not None:
-        return list(_SOURCES)
+        return [suffix for suffix in _SOURCES if suffix != NETWORK]
     tables = (".lut", ".csv", LATEX)
     return [*_SOURCES, *tables, ".png", ".svg", *FOREIGN]
 

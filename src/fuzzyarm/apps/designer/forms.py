@@ -22,7 +22,7 @@ from fuzzyarm.apps.designer.grounds import (
 from fuzzyarm.apps.designer.messages import FormField
 from fuzzyarm.apps.designer.records import MessageError
 from fuzzyarm.apps.designer.requests import FormValues
-from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.base.folders import EXPORTS, NETWORK
 from fuzzyarm.requests.experiment import AROUND as FOLDED
 from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import AnyRequest
@@ -161,6 +161,9 @@ def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
     if suffix == ".fmu":
         whole = ("q",) if kind == "controller" else ()
         return RequestForm(ExportRequest, (*makings, *output, "mode", *whole, "fmi"))
+    if suffix == NETWORK:
+        levels = () if kind == "table" else ("levels",)
+        return RequestForm(ExportRequest, (*levels, *output, "precision"))
     if suffix in EXPORTS:
         return RequestForm(ExportRequest, (*makings, *output, "mode", "q", "precision", "name"))
     if suffix in WRITTEN_TABLES and kind != "table":

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.base.files import demand_companion, demand_writable, write_atomically
+from fuzzyarm.base.folders import NETWORK
 from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.c import controller_c, routines_c
@@ -20,6 +21,7 @@ from fuzzyarm.exchange.export.fmu import controller_fmu, platforms_named, routin
 from fuzzyarm.exchange.export.languages import MODULES
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.modules import Module, module_of
+from fuzzyarm.exchange.export.network import network_bytes, network_of
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError
 from fuzzyarm.exchange.export.plcopen import (
     Project,
@@ -236,9 +238,9 @@ def export_files(
         If the suffix is none of these, `name` is not an identifier, or no C compiler is there.
     """
     made = _made(tuple(routines), path, name, fmi, platforms)
-    return Exported(
-        routines=tuple(routines), path=Path(path), files=made.files, calls=tuple(made.calls)
-    )
+    measured = made.measured or tuple(routines)
+    assert isinstance(measured, tuple)
+    return Exported(routines=measured, path=Path(path), files=made.files, calls=tuple(made.calls))
 
 
 def write_export(
@@ -309,11 +311,11 @@ class _To(NamedTuple):
 
 
 class _Made(NamedTuple):
-    """Files and calls; a controller whose difference was measured on the text itself."""
+    """Files and calls; what was measured on the file itself, if its arithmetic is its own."""
 
     files: _Texts
     calls: Sequence[str]
-    measured: ControllerProgram | None = None
+    measured: _Given | None = None
 
 
 def _in_c(given: _Given, to: _To) -> _Made:
@@ -366,6 +368,17 @@ def _in_unit(given: _Given, to: _To) -> _Made:
     return _Made(to.file(unit), list(map(_variables_of, given)))
 
 
+def _in_network(given: _Given, to: _To) -> _Made:
+    if isinstance(given, ControllerProgram):
+        raise ExportError(
+            "a network has no memory, and a controller does",
+            hint="compile the rule base that it uses",
+        )
+    network = network_of(given)
+    content = to.file(network_bytes(network, to.prefix))
+    return _Made(content, [_variables_of(network)], (network,))
+
+
 def _variables_of(routine: Routine) -> str:
     inputs = ", ".join(argument.name for argument in routine.arguments if not argument.holds)
     return f"{routine.output.name} of {inputs}"
@@ -375,7 +388,7 @@ _FORMS: Mapping[str, Callable[[_Given, _To], _Made]] = MappingProxyType({
     ".h": _in_c, ".c": _in_c,
     ".st": _in_structured_text, ".xml": _project(plcopen_xml), ".scl": _project(scl_source),
     **{suffix: _module(module) for suffix, module in MODULES.items()},
-    ".fmu": _in_unit,
+    ".fmu": _in_unit, NETWORK: _in_network,
 })  # fmt: skip
 
 _STRUCTURED = (".st", ".xml", ".scl")
@@ -467,8 +480,10 @@ def export_controller(
         If the suffix is none of these, something cannot be exported, or no C compiler is there.
     """
     made = _made(program, path, name, fmi, platforms)
+    measured = made.measured or program
+    assert isinstance(measured, ControllerProgram)
     return ExportedController(
-        program=made.measured or program,
+        program=measured,
         path=Path(path),
         files=made.files,
         calls=tuple(made.calls),

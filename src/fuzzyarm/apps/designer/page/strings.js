@@ -192,6 +192,7 @@ export const S = {
     ".scl": "SCL",
     ".py": "MicroPython",
     ".fmu": "FMU",
+    ".onnx": "ONNX",
     ".mjs": "JavaScript",
     ".rs": "Rust",
     ".lut": "Table .lut",
