@@ -613,3 +613,39 @@ def test_a_wrong_range_of_tuning_hides_nothing(tmp_path, wrong):
     path.write_text(UNTUNED.format(wrong))
     found = [(d.line - more, d.name) for d in check_file(path).diagnostics if d.line > 4 + more]
     assert found == [(line, name) for line, name in right if line > 4]
+
+
+@pytest.mark.parametrize(
+    ("gain", "sum_of", "words"),
+    [
+        ('6 "V"', "11.772 + c * G_T", "drive thrust is in V, the port in N"),
+        ('6 "V"', "11.772 + c * G_T + trim * K_i", "a sum of V and N"),
+        ('6 "V"', "trim * K_i - 2 * 3 - c * G_T", "a sum of N and V"),
+        ('6 "N"', "e * K_e + c * G_T", "a sum of a plain number and N"),
+        ('6 "mN"', "trim * K_i + c * G_T", "a sum of N and mN"),
+        ('6 "N"', "11.772 + c * G_T + trim * K_i", ""),
+        ('6 "N"', "G_T * c - 11.772", ""),
+        ("6", "11.772 + c * G_T + trim * K_i", ""),
+        ('6 "N/m"', "e * G_T + trim * K_i + 2 * G_T * e", ""),
+        ('6 "N/m"', "c * G_T + trim * K_i", ""),  # the rules may be in m
+    ],
+)
+def test_terms_of_a_sum_have_one_unit(tmp_path, gain, sum_of, words):
+    (tmp_path / "quad.py").write_text(
+        "from fuzzyarm.plant import Plant, Port\n\n\nclass Quad(Plant):\n"
+        '    axis = "quad"\n    inputs = {"thrust": Port("N", 0, 20)}\n'
+        '    outputs = {"height": Port("m", -5, 5)}\n    states = {"h": "m", "v": "m/s"}\n\n'
+        "    def derivative(self, t, x, u, p):\n        return [x[1], u[0] / 1.2 - 9.81]\n"
+    )
+    text = (
+        "rulebase lift\ninput h -1 .. 1\noutput c -1 .. 1\nterm h low: triangle -2 -1 1\n"
+        "term h high: triangle -1 1 2\nterm c up: singleton 1\nterm c down: singleton -1\n"
+        "inference defuzzifier weighted-average\nrule if h is low then c is up\n"
+        "rule if h is high then c is down\n\ncontroller quad\nperiod 1 ms\n"
+        f'gain G_T = {gain}\ngain K_i = 2 "N/(m s)"\ngain K_e = 0.5 "1/m"\naxis quad\n'
+        "  e = error of height\n  x = e * K_e\n  c = rules lift(x)\n"
+        f"  trim = integral of e, within -5 .. 5\n  drive thrust = {sum_of}, within 0 .. 20\n"
+    )
+    plant = PlantOf(find_plant(str(tmp_path / "quad.py")))
+    found = [each.message for each in findings(text, plant) if each.name == "unlike-units"]
+    assert found == ([words] if words else [])

@@ -390,6 +390,9 @@ def _unlike_units(
         if meeting.option and both and meeting.name in gains:
             yield _unlike_option(meeting, gains[meeting.name])
             continue
+        if not meeting.name:
+            yield from _unlike_terms(meeting)
+            continue
         # Report the gain that brings the conflict, not the lines after it: neither factor may have
         # one of its own.
         pair = unlike(both) if both is not None else None
@@ -417,6 +420,16 @@ def _unlike_units(
                 yield Diagnostic("unlike-units", where, line.span, Severity.WARNING)
     for up in reaches.look_ups:
         yield from _of_another_dimension(up)
+
+
+def _unlike_terms(meeting: Meeting) -> Iterator[Diagnostic]:
+    """Yield a sum of terms with different units."""
+    one, other = meeting.reach, product({}, meeting.brought, -1) or {}
+    ratio = product(one, meeting.brought)
+    if ratio and (unlike(ratio) or dimension(ratio)):
+        words = f"a sum of {unit_text(one)} and {unit_text(other)}".replace(" 1", " a plain number")
+        hint = "a gain gives a term the unit of the others"
+        yield Diagnostic("unlike-units", words, meeting.span, Severity.WARNING, hint=hint)
 
 
 def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:

@@ -66,6 +66,9 @@ class Reach:
         Whether a gain with a unit is among its factors.
     name : str
         Name of a signal or a gain, while a line reads it.
+    plain : bool
+        Whether it takes the unit of what it is added to: a number of the text. Of an output of
+        rules without a described unit, whether it takes that of a gain such as 6 V.
     """
 
     at: Interval = EVERYTHING
@@ -76,6 +79,7 @@ class Reach:
     tight: bool = True
     scaled: bool = False
     name: str = ""
+    plain: bool = False
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,8 @@ class LookUp:
 class Meeting:
     """A product in which a unit meets one of its kind: `name` is the factor that brings it.
 
-    `option` names it if it is not a factor: then the whole unit has to cancel.
+    `option` names it if it is not a factor: then the whole unit has to cancel. Without a name it is
+    a sum, whose terms need one unit.
     """
 
     name: str
@@ -207,7 +212,7 @@ class Ranges(Algebra[Reach]):
 
     def number(self, value: float) -> Reach:
         """Return the range of a number."""
-        return Reach(Interval(value, value), 0.0, MADE, {})
+        return Reach(Interval(value, value), 0.0, MADE, {}, plain=True)
 
     def gain(self, gain: GainModel, index: int) -> Reach:
         """Return the range of a gain."""
@@ -221,16 +226,22 @@ class Ranges(Algebra[Reach]):
         return Reach()
 
     def add(self, a: Reach, b: Reach) -> Reach:
-        """Return the range of a sum."""
+        """Return the range of a sum, and note its units."""
+        known = [x.unit for x in (a, b) if x.unit is not None and not (x.plain and not x.unit)]
+        if len(known) == 2 and known[0] != known[1] and (a.scaled or b.scaled):
+            one, other = (of_difference(unit) or {} for unit in known)
+            self.reaches.meetings.append(Meeting("", one, product({}, other, -1) or {}, self._span))
+            known = []
         return Reach(
             combine("add", a.at, b.at),
             a.pace + b.pace,
             max(a.kept, b.kept),
-            a.unit if a.unit == b.unit else None,
+            known[0] if known else a.unit if a.unit == b.unit else None,
             a.origins | b.origins,
             # Two parts with an origin in common may cancel.
             a.tight and b.tight and not a.origins & b.origins,
             a.scaled or b.scaled,
+            plain=a.plain and b.plain,
         )
 
     def negated(self, x: Reach) -> Reach:
@@ -251,6 +262,7 @@ class Ranges(Algebra[Reach]):
 
     def _times(self, a: Reach, b: Reach, word: str) -> Reach:
         power = -1 if word == "divide" else 1
+        a, b = _of_gain(a, b), b if power < 0 else _of_gain(b, a)
         pace = math.inf
         # A product with one varying factor varies with it; with two, its rate is unknown.
         if b.pace == 0.0:
@@ -268,6 +280,7 @@ class Ranges(Algebra[Reach]):
             a.origins | b.origins,
             a.tight and b.tight,
             a.scaled or b.scaled,
+            plain=a.plain and b.plain,
         )
 
     @property
@@ -349,12 +362,13 @@ class Ranges(Algebra[Reach]):
         settings = {name: value.at for name, value in update.settings.items()}
         unit = of_difference(reach.unit) if kind.difference else reach.unit
         if kind.dimensionless:
-            unit = {}
+            unit = {}  # levels are plain numbers
         bounds = Reach(
             range_of_source(kind, near, settings, kind.starts(options)),
             math.inf if kind.pace is None else kind.pace(near),
             unit=product(unit, {"s": kind.seconds}),
             scaled=reach.scaled,
+            plain=kind.dimensionless,
         )
         if kind.kept == "signal":
             return replace(bounds, kept=reach.kept, origins=reach.origins, tight=reach.tight)
@@ -458,8 +472,15 @@ def _conclusions(sheet: Sheet | None) -> list[Reach]:
         at = Interval(output.low, output.high)
         if isinstance(output.no_rule, float):
             at = hull(at, Interval(output.no_rule, output.no_rule))
-        reaches.append(Reach(at, unit=described_unit(output.description)))
+        unit = described_unit(output.description)
+        reaches.append(Reach(at, unit=unit, plain=unit is None))
     return reaches
+
+
+def _of_gain(x: Reach, gain: Reach) -> Reach:
+    """Return an output of rules as a plain number, where a gain such as 6 V gives it a unit."""
+    gives = x.plain and x.unit is None and gain.scaled and min((gain.unit or {"": 0}).values()) > 0
+    return replace(x, unit={}) if gives else x
 
 
 def _own(of: Source) -> frozenset[str]:

@@ -272,8 +272,8 @@ CHECKS: dict[str, Check] = {
             "unlike-units",
             Severity.WARNING,
             "The unit of a gain and that of its signal are different units of one quantity and do "
-            "not cancel, such as rad and deg; a width is not in the unit of its signal; or a drive "
-            "or an input of rules has another dimension.",
+            "not cancel, such as rad and deg; a width is not in the unit of its signal; the terms "
+            "of a sum have different units; or a drive or an input of rules has another dimension.",
         ),
         Check(
             "unknown-allow",

@@ -79,7 +79,8 @@ def described_unit(description: str) -> Unit | None:
 
 
 def read_unit(text: str) -> Unit | None:
-    """Return the symbols and powers in a unit like ``N m/rad``; None if uncertain."""
+    """Return the symbols and powers in a unit like ``N m/rad``, ``N/(m s)``; None if uncertain."""
+    text = re.sub(r"/\s*\(([^()/]*)\)\s*$", r"/\1", text)
     if _WORDS.fullmatch(text) is None or "per" in text.split() or text.count("/") > 1:
         return None
     unit: Unit = {}
