@@ -469,3 +469,26 @@ def test_commands_for_rule_bases_say_that_it_is_a_controller(capsys, words):
     command, *options = words
     assert main([command, str(shipped("stfc.frb")), *options]) == 1
     assert "is a controller, not a rule base or a table" in capsys.readouterr().err
+
+
+def test_a_linked_controller_runs_its_own_files(tmp_path):
+    """The designer opens the file itself; the command takes the files beside it, too."""
+    from fuzzyarm.apps.designer.folder import Workspace
+    from fuzzyarm.control.controllers.text import home_of, read_controller
+
+    own, here = tmp_path / "own", tmp_path / "here"
+    for folder in (own, here):
+        folder.mkdir()
+        (folder / "pd7.frb").write_text(shipped("pd7.frb").read_text())
+    changed = (own / "pd7.frb").read_text().replace('-6 .. 6  "control', '-4 .. 4  "control')
+    (own / "pd7.frb").write_text(changed)
+    (own / "servo.frb").write_text(shipped("servo.frb").read_text())
+    (here / "servo.frb").symlink_to(own / "servo.frb")
+    (tmp_path / "folder").symlink_to(here)  # a link to a folder is that folder
+
+    for path in (own / "servo.frb", here / "servo.frb", tmp_path / "folder" / "servo.frb"):
+        (rules,) = read_controller(path).sheets["pd7"]
+        assert rules.outputs[0].high == 4.0, path
+    assert Workspace(here / "servo.frb").folder == own.resolve()
+    assert home_of(here / "servo.frb") == own.resolve()
+    assert home_of(tmp_path / "folder" / "pd7.frb") == tmp_path / "folder"

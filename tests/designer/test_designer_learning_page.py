@@ -59,9 +59,14 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):
     until(lambda: "# tuned: nelder-mead" in text_of(page), "the change")
     assert text_of(page).startswith("# typed meanwhile\n")
     assert "G_du = 0.4 " not in text_of(page)
+    said = tune.locator("p.said").first
+    assert "The text has the new numbers" in said.inner_text()
     page.locator(".cm-content").focus()
     page.keyboard.press("Control+z")
     until(lambda: text_of(page) == typed, "one step back")
+    assert "the best is kept" in said.inner_text()
+    page.keyboard.press("Control+y")
+    until(lambda: "The text has the new numbers" in said.inner_text(), "taken again")
 
 
 def test_a_table_grows_and_is_saved(served, view):

@@ -210,6 +210,7 @@ def test_enough_keeps_the_best_so_far(page):
         ({"data": "data.csv", "target": "q"}, "there is no column 'q'", "target"),
         ({"data": "data.csv", "words": "a"}, "--words takes a number", "words"),
         ({"data": "data.csv", "terms": "a"}, "--terms takes numbers", "terms"),
+        ({"data": "data.csv", "terms": "2,2,2"}, "for each of 2 inputs, not 3", "terms"),
         ({"data": "data.csv", "rules": "0"}, "rules must be 1 to 1000", "rules"),
         ({"data": "data.csv", "time": "soon"}, "soon", "time"),
     ],
@@ -221,8 +222,12 @@ def test_what_cannot_be_learned_is_said_at_its_field(page, asked, words, field):
 
 
 def test_what_may_be_learned_from_is_told(page):
+    head, first, *_ = (page.folder / "data.csv").read_text().splitlines(keepends=True)
+    (page.folder / "a.csv").write_text(head + first)
     (facts, *_) = page.do("fittable", "pd7.frb")
-    assert facts["samples"] == ["data.csv"]
+    assert facts["samples"] == ["data.csv", "a.csv"]  # one learns from the largest
+    last = page.do("fit", "pd7.frb", data="a.csv")[-1]
+    assert (last["field"], last["message"]) == ("data", "one sample is not enough to learn from")
     assert "thesis-6.1.lut" in facts["models"]
     assert [field["name"] for field in facts["form"]] == [*FIT.first, *FIT.more]
     assert {"sweep", "fit"} <= set(FORMS)

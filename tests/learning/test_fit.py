@@ -347,6 +347,16 @@ def test_too_few_samples():
     assert infer(made.rulebase, x1=2.0)["y"] == pytest.approx(3.0, abs=0.01)
 
 
+def test_few_samples_do_not_determine_the_conclusions(tmp_path, capsys):
+    path = tmp_path / "few.csv"
+    path.write_text("a,b,y\n1,2,3\n2,3,4\n3,3,9\n")
+    report = ["fit", str(path), "-o", str(tmp_path / "few.frb"), "--terms", "3,2"]
+    assert main(report) == 0
+    printed = capsys.readouterr().out
+    assert "cross-validation, 3 parts" in printed  # as many as there are samples
+    assert "3 samples cannot determine the 18 coefficients" in printed
+
+
 def test_classes_have_an_output_each():
     draw = np.random.default_rng(2)
     inputs = np.concatenate([draw.normal(m, 0.3, (30, 2)) for m in (0.0, 2.0, 4.0)])

@@ -353,11 +353,9 @@ def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 def _controller(model: ControllerModel, source: str, name: str) -> ControllerText:
     """Return a controller with the files that it uses."""
-    from pathlib import Path
+    from fuzzyarm.control.controllers.text import home_of, with_files
 
-    from fuzzyarm.control.controllers.text import with_files
-
-    text, faults = with_files(model, Path(name).parent, name)
+    text, faults = with_files(model, home_of(name), name)
     if faults:
         raise RuleBaseError(faults)
     return replace(text, source=source)
@@ -506,12 +504,10 @@ def _of_controller(
 
     Of a text with mistakes they are those of its sound part: none follows from another mistake.
     """
-    from pathlib import Path
-
     from fuzzyarm.control.controllers.findings import doubts_of, sound_part
-    from fuzzyarm.control.controllers.text import used_files, with_files
+    from fuzzyarm.control.controllers.text import home_of, used_files, with_files
 
-    folder = Path(path).parent
+    folder = home_of(path)
     sound: ControllerModel | None = model
     if parsed.controller is None:
         sound = sound_part(model, parsed.document, parsed.diagnostics)

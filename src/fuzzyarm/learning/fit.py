@@ -574,6 +574,7 @@ def _head(samples: Samples, options: Options, fit: Fit) -> list[str]:
     kind = "wrong answers" if samples.classes else "RMS error"
     source = printable(short_source(samples.source))
     parts = min(options.parts, OUTER) if fit.judged == "nested" else options.parts
+    parts = min(parts, len(samples))
     how = f"{parts}-fold cross-validation{' in blocks' if options.series else ''}"
     how = f"nested {how}" if fit.judged == "nested" else how
     rules = len(fit.rulebase.rules)

@@ -72,6 +72,7 @@ def report_lines(report: FitReport, options: Options) -> list[str]:
     nested, parts = "", options.parts
     if fit.judged == "nested":
         nested, parts = "nested ", min(parts, OUTER)
+    parts = min(parts, len(samples))
     cross = f"{nested}cross-validation, {parts} parts{blocks} (RMS)"
     rows = [("", "model", "linear regression")]
     rows.append((f"training ({kind})", *_pair(fit.error, fit.linear_error)))
@@ -83,6 +84,12 @@ def report_lines(report: FitReport, options: Options) -> list[str]:
         f"{report.file}: {counted(len(fit.rulebase.rules), 'rule')}, {fit.structure}",
         *in_columns(rows, "<>", indent="  ", least=(0, 10, 17)),
     ]
+    coefficients = len(fit.rulebase.rules) * (len(samples.names) + 1)
+    if options.method != "wang-mendel" and coefficients > len(samples):
+        lines.append(
+            f"  {counted(len(samples), 'sample')} cannot determine the {coefficients} coefficients"
+            " of its conclusions"
+        )
     if fit.judged == "by the choice":
         lines.append("  its structure was chosen on the same parts: on others it may be more")
     if of := report.fidelity:

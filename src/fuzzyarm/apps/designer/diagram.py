@@ -19,7 +19,7 @@ from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import printable
 from fuzzyarm.base.picture import Axis, panel_data
-from fuzzyarm.control.controllers.text import ControllerText, with_files
+from fuzzyarm.control.controllers.text import ControllerText, home_of, with_files
 from fuzzyarm.language.edit import Reading
 from fuzzyarm.language.model.rulebase import RuleBase
 
@@ -118,7 +118,7 @@ def sheets(session: Session, request: BareMessage, job: WindowJob) -> None:
     model = session.reading.parsed.controller if isinstance(session.reading, Reading) else None
     if model is None:
         raise TextRefusedError("the text is not a controller without mistakes")
-    controller, _ = with_files(model, Path(session.path).parent, session.path)
+    controller, _ = with_files(model, home_of(session.path), session.path)
     files = {use.name: use.files for use in model.uses}
     pictures: list[dict[str, Any]] = []
     for name, parts in controller.sheets.items():

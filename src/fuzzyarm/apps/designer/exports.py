@@ -105,10 +105,10 @@ def model_of(session: Session) -> Any:
 
 def _controller(session: Session) -> ControllerText:
     """Return a controller with the files that it uses."""
-    from fuzzyarm.control.controllers.text import with_files
+    from fuzzyarm.control.controllers.text import home_of, with_files
 
     model = session.reading.parsed.controller
-    text, faults = with_files(model, Path(session.path).parent, session.path)
+    text, faults = with_files(model, home_of(session.path), session.path)
     if faults:
         raise ExportRefusedError(in_words(RuleBaseError(faults)))
     return text

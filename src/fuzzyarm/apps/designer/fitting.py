@@ -35,7 +35,7 @@ def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
     models = [name for name in job.folder.listed(*MODELS) if _is_sampled(job, name)]
     here = Path(session.path).name  # what is open is what is meant, where there are no samples
     job.tell({
-        "samples": job.folder.listed(*SAMPLES),
+        "samples": sorted(job.folder.listed(*SAMPLES), key=lambda name: -_size(job, name)),
         "models": sorted(models, key=lambda name: name != here),
         "form": FIT.fields(),
     })  # fmt: skip
@@ -61,6 +61,13 @@ def fit(session: Session, record: FormWork, job: WindowJob) -> None:
                 job, word.save, ".frb", lambda path: write_atomically(path, model.text),
                 replace=word.replace,
             )  # fmt: skip
+
+
+def _size(job: WindowJob, name: str) -> int:
+    """Return the bytes of a file: one learns from the largest, and judges by a smaller one."""
+    with suppress(OSError):
+        return job.folder.beside(name, Path(name).suffix.lower()).stat().st_size
+    return 0
 
 
 def _is_sampled(job: WindowJob, name: str) -> bool:
@@ -90,7 +97,8 @@ def _learned(request: FitRequest, job: WindowJob) -> Fit:
         samples = samples_of(request)
     with at_field("test"):
         test = test_samples_of(request, samples)
-    model = fit_it(samples, options, _Teller(job))
+    with at_field("terms" if request.terms and len(samples) > 1 else "data"):
+        model = fit_it(samples, options, _Teller(job))
     report = FitReport(
         samples,
         model,

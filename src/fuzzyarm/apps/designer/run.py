@@ -42,7 +42,7 @@ from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.law import Gain
 from fuzzyarm.control.controllers.on_plant import driven_by, site_of, text_law_of
 from fuzzyarm.control.controllers.program import SourceError
-from fuzzyarm.control.controllers.text import ControllerText, sheet_path
+from fuzzyarm.control.controllers.text import ControllerText, home_of, sheet_path
 from fuzzyarm.control.loop.along import equipped
 from fuzzyarm.control.loop.course import Motion, Options
 from fuzzyarm.control.loop.open_run import OpenRun, StructureError
@@ -385,7 +385,7 @@ class LiveRun:
     # --- The files that the controller uses ---
 
     def _used(self) -> dict[Path, int]:
-        folder = Path(self.path).parent
+        folder = home_of(self.path)
         text = source_of(self.controller)
         files = [sheet_path(file, folder) for use in text.model.uses for file in use.files]
         return {path: path.stat().st_mtime_ns for path in files if path.exists()}

@@ -363,9 +363,9 @@ class SharedText:
         if controller is None:
             assert rulebase is not None
             return diagram_of(rulebase, reading) if is_drawable(rulebase) else None
-        from fuzzyarm.control.controllers.text import with_files
+        from fuzzyarm.control.controllers.text import home_of, with_files
 
-        return diagram_of(with_files(controller, self.path.parent, str(self.path))[0], reading)
+        return diagram_of(with_files(controller, home_of(self.path), str(self.path))[0], reading)
 
     # --- What a page asks ---
 

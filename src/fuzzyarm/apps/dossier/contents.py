@@ -132,12 +132,12 @@ def _reported(path: Path, content: bytes) -> ReportedFile:
 
 def _used(exported: Exported | ExportedController) -> list[Path]:
     """Return the files that a controller reads."""
-    from fuzzyarm.control.controllers.text import sheet_path
+    from fuzzyarm.control.controllers.text import home_of, sheet_path
 
     if isinstance(exported, Exported):
         return []
     text = exported.program.text
-    folder = Path(text.path).parent
+    folder = home_of(text.path)
     return [sheet_path(file, folder) for use in text.model.uses for file in use.files]
 
 

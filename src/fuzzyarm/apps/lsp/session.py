@@ -6,7 +6,6 @@ import re
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.lsp.tables import TableText
@@ -193,9 +192,9 @@ def _facts(reading: Reading) -> Facts:
     if controller is None:
         return _ports(reading)
     from fuzzyarm.control.controllers.findings import ranges_in_words
-    from fuzzyarm.control.controllers.text import with_files
+    from fuzzyarm.control.controllers.text import home_of, with_files
 
-    ranges = ranges_in_words(with_files(controller, Path(reading.path).parent, reading.path)[0])
+    ranges = ranges_in_words(with_files(controller, home_of(reading.path), reading.path)[0])
     signals = {(Name.SIGNAL, name): f"reaches {words}" for name, words in ranges.items()}
     return {**_ports(reading), **signals}
 

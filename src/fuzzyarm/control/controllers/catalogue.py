@@ -46,6 +46,7 @@ from fuzzyarm.control.controllers.text import (
     Change,
     ControllerText,
     by_name,
+    home_of,
     read_controller,
     with_files,
 )
@@ -429,7 +430,7 @@ def controller_in(text: str, path: str) -> CompiledController:
         law = controller("fuzzy-direct", sources=Sources(parsed.rulebase))
         assert isinstance(law, CompiledController)
         return law
-    model, faults = with_files(parsed.controller, Path(path).parent, path)
+    model, faults = with_files(parsed.controller, home_of(path), path)
     if faults:
         raise RuleBaseError(faults)
     return controller_of(replace(model, source=text))

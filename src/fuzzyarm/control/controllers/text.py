@@ -17,7 +17,7 @@ import numpy as np
 
 from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.files import demand_allowed
+from fuzzyarm.base.files import demand_allowed, real_path
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.base.shown import Shown
@@ -164,7 +164,7 @@ def read_controller(
     if parsed.controller is None:
         raise without_controller(parsed, name)
     model = change(parsed.controller) if change is not None else parsed.controller
-    text, faults = with_files(model, Path(name).parent, name, instead)
+    text, faults = with_files(model, home_of(name), name, instead)
     if faults:
         raise RuleBaseError(faults)
     return text if change is not None else replace(text, source=source)
@@ -248,6 +248,15 @@ def read_sheet(file: str, folder: Path) -> Sheet:
     return _read_sheet(path, (now.st_mtime_ns, now.st_ctime_ns, now.st_size))
 
 
+def home_of(path: str | Path) -> Path:
+    """Return the folder of the files that a controller names: beside it, not beside a link to it.
+
+    Command and designer then run the same files.
+    """
+    file = Path(path)
+    return (real_path(file) if file.is_symlink() else file).parent
+
+
 def sheet_path(file: str, folder: Path) -> Path:
     """Return where a rule base or a table is that a controller in a folder names."""
     path = folder / file
@@ -261,12 +270,12 @@ def files_of(model: ControllerModel, path: str) -> dict[str, Path]:
         return {}
     home = Path(path)
     file_names = [file for use in model.uses for file in use.files]
-    return {home.name: home, **{file: sheet_path(file, home.parent) for file in file_names}}
+    return {home.name: home, **{file: sheet_path(file, home_of(path)) for file in file_names}}
 
 
 def sheet_files(text: ControllerText) -> list[Path]:
     """Return the files of rule bases and tables that a controller uses."""
-    folder = Path(text.path).parent
+    folder = home_of(text.path)
     names = dict.fromkeys(file for use in text.model.uses for file in use.files if file != ZERO)
     return [sheet_path(name, folder) for name in names]
 

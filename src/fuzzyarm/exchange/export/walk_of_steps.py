@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace as with_values
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +21,7 @@ from fuzzyarm.control.controllers.period import (
 )
 from fuzzyarm.control.controllers.period import Guard as AxisGuard
 from fuzzyarm.control.controllers.program import SourceError
-from fuzzyarm.control.controllers.text import ControllerText, ports_of, sheet_path
+from fuzzyarm.control.controllers.text import ControllerText, home_of, ports_of, sheet_path
 from fuzzyarm.exchange.export.forms import (
     NOT_A_NUMBER,
     carried,
@@ -587,7 +586,7 @@ class Lines(Algebra[Node]):
                     (k for k, s in enumerate(self.text.sheets[name]) if s is rulebase), 0
                 )
                 file = use.files[min(at_axis, len(use.files) - 1)]
-                return str(sheet_path(file, Path(self.text.path).parent))
+                return str(sheet_path(file, home_of(self.text.path)))
         return self.text.path
 
     def _use_of(self, name: str) -> Span:

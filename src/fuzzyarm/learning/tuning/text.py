@@ -15,7 +15,7 @@ from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.protected import SourceFileError
-from fuzzyarm.control.controllers.text import ControllerText, files_of, sheet_path
+from fuzzyarm.control.controllers.text import ControllerText, files_of, home_of, sheet_path
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.edit.fixes import Edit, apply_edits
 from fuzzyarm.language.model.controller import ControllerModel, GainModel, Use
@@ -202,7 +202,7 @@ def _place(file: str, path: str) -> str:
     """Return the path of a used file; empty if it is not a text of the language."""
     if not file.endswith(".frb"):
         return ""
-    place = sheet_path(file, Path(path).parent)
+    place = sheet_path(file, home_of(path))
     return str(place) if place.exists() else ""
 
 

@@ -14,12 +14,14 @@ const KIND = {
   form: () => "fit",
   ends: S.fitEnds,
   isEnough: true,
+  ofFolder: true,
 };
 
 class FitWork extends ResultWork {
   constructor(store, hand) {
     super(store, hand, KIND);
     this.saving("", S.save);
+    this.isFirst = false; // whether samples have just been put into the folder
     this.example = el("button", { textContent: S.valveSamples, hidden: true, onclick: () => this.bringSamples() });
     this.start.after(this.example);
   }
@@ -28,7 +30,7 @@ class FitWork extends ResultWork {
   async bringSamples() {
     const { error } = await this.hand.folder({ what: "samples" });
     if (error) return this.say(error);
-    this.stale = true;
+    this.stale = this.isFirst = true;
     return this.ask();
   }
 
@@ -36,6 +38,8 @@ class FitWork extends ResultWork {
     this.example.hidden = samples.length > 0;
     this.form.choices("data", pairsOf([...samples, ...models]));
     this.form.choices("test", [["", S.none], ...pairsOf(samples)]);
+    if (this.isFirst) this.form.set("test", samples[1] ?? ""); // the others that came with them
+    this.isFirst = false;
   }
 
   ready({ samples }) {

@@ -369,7 +369,7 @@ function cells({ g, toX, toY }, part) {
 const wordsOf = (value, { whole }) =>
   whole
     ? [String(value), `${shortNumber(value / 1000, 2)}k`]
-    : [shortNumber(value, 2), shortNumber(value, 1), value.toFixed(1)];
+    : [shortNumber(value, 2), shortNumber(value, 1), shortNumber(Math.round(10 * value) / 10)];
 
 /**
  * Where the labels stand: in rows between title and plot.

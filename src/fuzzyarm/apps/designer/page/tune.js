@@ -23,6 +23,7 @@ const KIND = {
   facts: "tunable",
   form: () => "tune",
   isEnough: true,
+  ofFolder: true,
 };
 
 class TuneWork extends Work {
@@ -40,6 +41,10 @@ class TuneWork extends Work {
     this.actions.append(this.told, this.insert);
     this.makePictures();
     this.show();
+    // A step back takes the change back, and what was said of it.
+    this.store.on("edited", () => {
+      if (this.taken) this.say(this.hand.text() === this.taken.text ? this.taken.words : this.overWords());
+    });
   }
 
   makePictures() {
@@ -109,6 +114,7 @@ class TuneWork extends Work {
     this.state = null; // the last word of the search
     this.phase = "";
     this.report = null;
+    this.taken = null; // the text that its change has made, and what was said of it
   }
 
   begin() {
@@ -124,10 +130,14 @@ class TuneWork extends Work {
       this.report = news.report;
       this.counts.search = this.report.trials;
       this.isOver = true; // it waits until its change has been taken
-      this.say(this.report.interrupted ? S.stopped(this.report) : S.tuned(this.report));
+      this.say(this.overWords());
     }
     if (news.untaken) this.say(news.untaken);
     if (news.taken) this.edit(news.taken);
+  }
+
+  overWords() {
+    return this.report.interrupted ? S.stopped(this.report) : S.tuned(this.report);
   }
 
   progress(news) {
@@ -145,7 +155,8 @@ class TuneWork extends Work {
 
   async edit({ old, new: changed, written }) {
     const done = await this.hand.change("merge", { old, new: changed });
-    this.say(done ? S.taken(written) : S.notTaken);
+    this.taken = done ? { text: this.hand.text(), words: S.taken(written) } : null;
+    this.say(done ? this.taken.words : S.notTaken);
   }
 
   show() {

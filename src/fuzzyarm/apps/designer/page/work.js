@@ -14,9 +14,9 @@ import { Task } from "./task.js";
  * What views differ in.
  *
  * @typedef {{ name: keyof Messages.Works, title: string, go: string, facts: keyof Messages.Works, form: (facts: any) => string,
- *   stop?: string, ends?: Record<string, string>, isEnough?: boolean }} Kind
+ *   stop?: string, ends?: Record<string, string>, isEnough?: boolean, ofFolder?: boolean }} Kind
  *   `facts` is the work that tells the form, and `form` its name; `ends` is what is said when it is over; with `isEnough`
- *   the work is ended by a word, and its best kept.
+ *   the work is ended by a word, and its best kept; with `ofFolder` the facts change with files that are not open here.
  */
 
 export class Work extends Pane {
@@ -40,7 +40,10 @@ export class Work extends Pane {
     this.said = el("p", { class: "said", role: "status" });
     this.told = this.said; // where it is said what may be asked for
     this.body.append(this.place, this.actions, this.said);
-    store.on("view", () => this.ask());
+    store.on("view", () => {
+      this.stale ||= Boolean(kind.ofFolder);
+      this.ask();
+    });
     this.on(["text", "files"], () => {
       this.stale = true;
       this.ask();

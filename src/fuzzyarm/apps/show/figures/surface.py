@@ -403,7 +403,7 @@ def _cells(
 
 
 def _short(x: float) -> str:
-    return f"{x:.3g}".replace("e+0", "e").replace("e-0", "e-")
+    return f"{x + 0.0:.3g}".replace("e+0", "e").replace("e-0", "e-")
 
 
 def _meshes(points: Any, axis: Axis) -> Any:
