@@ -1,11 +1,13 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import {
+  areApart,
   crossings,
   farToNear,
   fillTriangle,
   limitsOf,
   linePanel,
+  outward,
   planePanel,
   projectionOf,
   spotsOf,
@@ -114,4 +116,23 @@ test("the number of a level stands inside, away from others, at most twice", () 
   for (const [x] of spots) assert.ok(x > 16 && x < 284 && Math.abs(x - 150) >= 42);
   assert.ok(Math.abs(spots[0][0] - spots[1][0]) >= 42);
   assert.deepEqual(spotsOf([[1, 1]], inside, []), []);
+  const wide = spotsOf(line, inside, [], 40);
+  for (const [x] of wide) assert.ok(x > 40 && x < 260);
+});
+
+test("a label leads outward from its place and stays within the picture", () => {
+  const picture = { width: 300, height: 200 };
+  const right = outward([100, 100], [5, 0], 40, picture);
+  assert.equal(right.left, 100);
+  assert.equal(outward([100, 100], [-5, 0], 40, picture).left, 60);
+  assert.equal(outward([100, 100], [0, 3], 40, picture).left, 80);
+  for (const place of [
+    [-20, -20],
+    [330, 260],
+  ]) {
+    const { left, base } = outward(place, [1, 1], 40, picture);
+    assert.ok(left >= 0 && left + 40 <= 300 && base >= 10 && base <= 200);
+  }
+  assert.ok(!areApart(right.box, outward([110, 100], [1, 0], 40, picture).box));
+  assert.ok(areApart(right.box, outward([100, 130], [1, 0], 40, picture).box));
 });

@@ -175,6 +175,19 @@ export function shortNumber(x, digits = 4) {
   return String(Number(x.toPrecision(digits)));
 }
 
+const LONG = 6; // characters beside an axis
+
+/** A number beside an axis: short, with a power of ten where it would be long. */
+export function tickNumber(x, digits = 4) {
+  const said = shortNumber(x, digits);
+  if (said.length <= LONG) return said;
+  const power = x
+    .toExponential(digits - 1)
+    .replace(/\.?0+e/, "e")
+    .replace("e+", "e");
+  return power.length < said.length ? power : said;
+}
+
 const HUES = [
   ["#2563a8", "#74b3f7"],
   ["#b34e14", "#ff9e63"],

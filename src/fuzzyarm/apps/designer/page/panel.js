@@ -1,7 +1,7 @@
 // Panels of pictures, drawn on a canvas: the page's renderer beside those for print and for the terminal. What there is
 // to be seen, and between which ends, is said by Python (fuzzyarm.base.picture); here are pixels and colours.
 
-import { clean, colourOf, context, FONTS, heatOf, hue, inkOn, SHADES, shortNumber } from "./draw.js";
+import { clean, colourOf, context, FONTS, heatOf, hue, inkOn, SHADES, shortNumber, tickNumber } from "./draw.js";
 import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
 import { crossings, spotsOf } from "./geometry/surface.js";
 
@@ -53,7 +53,8 @@ function tonesOf(canvas) {
 function paintPanel({ g, width, height }, panel, tone) {
   const heads = headsOf(g, panel, width);
   const labels = legendOf(g, panel, width, Math.max(0, heads.length - 1));
-  const layout = layoutOf(panel, width, height, labels.length ? labels.at(-1).row + 1 : Math.max(0, heads.length - 1));
+  const rows = labels.length ? labels.at(-1).row + 1 : Math.max(0, heads.length - 1);
+  const layout = layoutOf(panel, width, height, rows, leftOf(g, panel, layoutOf(panel, width, height, rows)));
   const paper = { g, ...layout, panel, heads, labels, width, tone };
   const { inside } = layout;
   const cells = panel.parts.find((part) => part.is === "cells");
@@ -73,6 +74,16 @@ function paintPanel({ g, width, height }, panel, tone) {
   legend(paper);
   tone.done();
   return layout;
+}
+
+/** The numbers beside the axis that goes up. */
+const upTicks = ({ up }, { top, bottom }) => ticksOf(up, Math.max(2, (bottom - top) / 40));
+
+/** The room that they take, with the name of the axis beside them. */
+function leftOf(g, panel, { inside }) {
+  g.font = FONTS.small;
+  const widths = upTicks(panel, inside).map((value) => g.measureText(tickNumber(value)).width);
+  return Math.max(ROOM.left, ROOM.name + Math.max(0, ...widths));
 }
 
 /**
@@ -103,13 +114,16 @@ function title({ g, heads, width }) {
   heads.forEach((line, i) => g.fillText(line, ROOM.left, 15 + ROOM.row * i, width - ROOM.left));
 }
 
-/** Write a name in some room: narrower letters, and where these could not be read, dots in its middle. */
-function name(g, words, x, y, room) {
+/** A name that fits into some room in narrower letters; where these could not be read, with dots in its middle. */
+export function fitted(g, words, room) {
   let said = clean(words);
   for (let kept = said.length - 1; kept > 4 && NARROWEST * g.measureText(said).width > room; kept--)
     said = `${clean(words).slice(0, Math.ceil(kept / 2))}…${clean(words).slice(-Math.floor(kept / 2))}`;
-  g.fillText(said, x, y, room);
+  return said;
 }
+
+/** Write a name in some room. */
+const writeName = (g, words, x, y, room) => g.fillText(fitted(g, words, room), x, y, room);
 
 /** Numbers along both axes, their names, and rulings where no cells are. */
 function axes({ g, inside, panel, toX, toY, width }, ruled) {
@@ -119,21 +133,21 @@ function axes({ g, inside, panel, toX, toY, width }, ruled) {
   g.strokeStyle = colourOf("--line");
   g.lineWidth = 1;
   g.textAlign = "right";
-  for (const value of ticksOf(panel.up, Math.max(2, (bottom - top) / 40))) {
+  for (const value of upTicks(panel, inside)) {
     const y = Math.round(toY(value)) + 0.5;
     if (ruled) g.strokeRect(left, y, right - left, 0);
-    g.fillText(shortNumber(value), left - 5, y + 4);
+    g.fillText(tickNumber(value), left - 5, y + 4);
   }
   g.textAlign = "center";
   for (const value of ticksOf(panel.across, Math.max(2, (right - left) / 58))) {
-    g.fillText(shortNumber(value), toX(value), bottom + 14);
+    g.fillText(tickNumber(value), toX(value), bottom + 14);
   }
   g.font = FONTS.bold;
-  name(g, panel.across.words, (left + right) / 2, bottom + 30, roomAround((left + right) / 2, width));
+  writeName(g, panel.across.words, (left + right) / 2, bottom + 30, roomAround((left + right) / 2, width));
   g.save();
   g.translate(11, (top + bottom) / 2);
   g.rotate(-Math.PI / 2);
-  name(g, panel.up.words, 0, 0, roomAround((top + bottom) / 2, bottom + ABOVE_NAME));
+  writeName(g, panel.up.words, 0, 0, roomAround((top + bottom) / 2, bottom + ABOVE_NAME));
   g.restore();
 }
 
@@ -249,7 +263,7 @@ function samples({ g, toX, toY }, part) {
 }
 
 /** Lines where a surface has round values, with their numbers. */
-function levels({ g, inside, toX, toY }, { x, y, values, value }) {
+function levels({ g, inside, panel, toX, toY }, { x, y, values, value }) {
   const last = [x.length - 1, y.length - 1];
   const spotOf = ([i, j]) => [
     toX(x[0] + ((x[last[0]] - x[0]) * i) / last[0]),
@@ -257,6 +271,10 @@ function levels({ g, inside, toX, toY }, { x, y, values, value }) {
   ];
   const numbers = values.map((each) => each ?? NaN);
   const named = [];
+  // A cross that is drawn later would cover them.
+  const crosses = panel.parts.filter((part) => part.is === "dots" && part.sign === "+");
+  const marked = crosses.flatMap((part) => part.x.map((each, i) => [toX(each), toY(part.y[i])]));
+  g.font = FONTS.small;
   g.strokeStyle = "rgb(255 255 255 / 0.75)";
   g.lineWidth = 1;
   g.beginPath();
@@ -270,18 +288,18 @@ function levels({ g, inside, toX, toY }, { x, y, values, value }) {
     spotsOf(
       segments.map(([from]) => from),
       inside,
-      named.map(({ spot }) => spot),
+      [...marked, ...named.map(({ spot }) => spot)],
+      0.5 * g.measureText(tickNumber(level)).width,
     ).forEach((spot) => named.push({ spot, level }));
   }
   g.stroke();
-  g.font = FONTS.small;
   g.textAlign = "center";
   g.lineWidth = 3;
   g.strokeStyle = "rgb(0 0 0 / 0.7)";
   g.fillStyle = "#ffffff";
   for (const { spot, level } of named) {
-    g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
-    g.fillText(shortNumber(level), spot[0], spot[1] + 4);
+    g.strokeText(tickNumber(level), spot[0], spot[1] + 4);
+    g.fillText(tickNumber(level), spot[0], spot[1] + 4);
   }
 }
 
@@ -304,7 +322,7 @@ export function paintScale(g, [left, top, wide, tall], axis, { isSigned, right, 
   g.font = FONTS.small;
   g.textAlign = right ? "left" : "right";
   for (const tick of ticksOf(axis, Math.max(2, tall / apart)))
-    g.fillText(shortNumber(tick, digits), right ? left + wide + 4 : left - 4, toY(tick) + 4);
+    g.fillText(tickNumber(tick, digits), right ? left + wide + 4 : left - 4, toY(tick) + 4);
 }
 
 /** What the colours stand for, beside the plot. */
@@ -315,7 +333,7 @@ function bar({ g, inside, width }, { value, signed }) {
   g.translate(width - 5, (top + bottom) / 2);
   g.rotate(-Math.PI / 2);
   g.textAlign = "center";
-  name(g, value.words, 0, 0, roomAround((top + bottom) / 2, bottom + ABOVE_NAME));
+  writeName(g, value.words, 0, 0, roomAround((top + bottom) / 2, bottom + ABOVE_NAME));
   g.restore();
 }
 
@@ -398,7 +416,7 @@ function legend({ g, labels, panel, tone, width }) {
     const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * row + 4;
     key(g, part, x, y, tone);
     g.fillStyle = colourOf("--ink");
-    name(g, part.label || part.missing, x + 30, y + 4, width - x - 30 - MARGIN);
+    writeName(g, part.label || part.missing, x + 30, y + 4, width - x - 30 - MARGIN);
   }
 }
 

@@ -17,10 +17,20 @@ import {
   shortNumber,
   slider,
   space,
+  tickNumber,
 } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
-import { farToNear, fillTriangle, limitsOf, linePanel, planePanel, projectionOf } from "./geometry/surface.js";
-import { drawPanel, paintScale } from "./panel.js";
+import {
+  areApart,
+  farToNear,
+  fillTriangle,
+  limitsOf,
+  linePanel,
+  outward,
+  planePanel,
+  projectionOf,
+} from "./geometry/surface.js";
+import { drawPanel, fitted, paintScale } from "./panel.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { rangeOf, shareAlong } from "./geometry/shapes.js";
@@ -30,6 +40,9 @@ const packed = (share) =>
 const FILLS = Uint32Array.from(packed(1));
 const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
 const MESH = 6;
+
+/** Pixels of the scale of colours. */
+const scaleHeight = (height) => Math.min(150, height - 70);
 
 export class SurfacePane extends Pane {
   constructor(store, hand) {
@@ -249,7 +262,7 @@ export class SurfacePane extends Pane {
 
   /** What the colours stand for. */
   drawScale = ({ g, width, height, low, high }) => {
-    const tall = Math.min(150, height - 70);
+    const tall = scaleHeight(height);
     if (tall >= 40) paintScale(g, [width - 19, 26, 9, tall], { low, high }, { apart: 34 });
   };
 
@@ -270,7 +283,7 @@ export class SurfacePane extends Pane {
         py[k] = at[1];
       }
     }
-    this.frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
+    this.frame(g, project);
     const is = farToNear(n - 1, farIsHigh.u);
     const js = farToNear(n - 1, farIsHigh.v);
     const ratio = 2; // pixels of the image for one of the page: their mean smooths the edges
@@ -299,6 +312,7 @@ export class SurfacePane extends Pane {
     }
     this.layer.getContext("2d").putImageData(this.image, 0, 0);
     g.drawImage(this.layer, 0, 0, width, height);
+    this.labels(g, project, { x, y, width, height, low, high, output, wanted: reach < 130 ? 2 : 4 });
     const value = this.store.value();
     if (this.cut) this.drawCut(g, project, low, high);
     if (Number.isFinite(value)) {
@@ -348,37 +362,63 @@ export class SurfacePane extends Pane {
     g.stroke();
   };
 
-  frame = (g, project, { x, y, low, high, output, wanted }) => {
+  /** The outline of the base. */
+  frame = (g, project) => {
     g.strokeStyle = colourOf("--line");
-    g.fillStyle = colourOf("--soft");
-    g.font = FONTS.small;
-    g.textAlign = "center";
     g.lineWidth = 1;
-    const base = [
+    g.beginPath();
+    for (const [u, v] of [
       [-0.5, -0.5],
       [0.5, -0.5],
       [0.5, 0.5],
       [-0.5, 0.5],
-    ].map(([u, v]) => project(u, v, -0.5));
-    g.beginPath();
-    base.forEach((at, i) => (i ? g.lineTo(...at) : g.moveTo(...at)));
+    ])
+      g.lineTo(...project(u, v, -0.5));
     g.closePath();
     g.stroke();
+  };
+
+  /** Names and numbers outside the base; a number that would stand on another one is left out. */
+  labels = (g, project, { x, y, width, height, low, high, output, wanted }) => {
     const near = Math.cos(this.turned.azimuth) > 0 ? -0.5 : 0.5;
     const side = Math.sin(this.turned.azimuth) > 0 ? -0.5 : 0.5;
-    const axis = (variable, at) => {
-      const [a, b] = rangeOf(variable);
-      for (const tick of ticks(a, b, wanted)) {
-        g.fillText(shortNumber(tick), ...at((tick - a) / (b - a) - 0.5, 1.1));
-      }
-      g.font = FONTS.bold;
-      g.fillText(clean(variable.name).slice(0, 24), ...at(0, 1.32));
-      g.font = FONTS.small;
+    const taken = [
+      [0, 0, width, 22],
+      [width - 62, 0, width, scaleHeight(height) + 34],
+    ];
+    const write = (words, place, direction, isSure) => {
+      const { left, base, box } = outward(place, direction, g.measureText(words).width, { width, height });
+      if (!isSure && !taken.every((other) => areApart(box, other))) return;
+      taken.push(box);
+      g.fillText(words, left, base);
     };
-    axis(x, (t, out) => project(t, near * out, -0.5));
-    axis(y, (t, out) => project(side * out, t, -0.5));
+    const axes = [
+      { variable: x, at: (t, out) => project(t, near * out, -0.5) },
+      { variable: y, at: (t, out) => project(side * out, t, -0.5) },
+    ].map(({ variable, at }) => {
+      const [[x0, y0], [x1, y1]] = [at(0, 1), at(0, 1.1)];
+      const [a, b] = rangeOf(variable);
+      const values = ticks(a, b, wanted);
+      return { variable, at, a, b, values, direction: [x1 - x0, y1 - y0] };
+    });
+    g.fillStyle = colourOf("--soft");
     g.textAlign = "left";
-    g.fillText(`${clean(output.name).slice(0, 24)}: ${shortNumber(low)} … ${shortNumber(high)}`, 8, 15);
+    for (const { variable, at, values, direction } of axes) {
+      g.font = FONTS.small;
+      const widest = Math.max(...values.map((value) => g.measureText(tickNumber(value)).width));
+      const [dx, dy] = direction.map((each) => each / (Math.hypot(...direction) || 1));
+      const beyond = 10 + widest * Math.abs(dx) + 12 * Math.abs(dy);
+      const [px, py] = at(0, 1.06);
+      const [nx, ny] = [px + beyond * dx, py + beyond * dy];
+      const room = Math.abs(dx) > 0.5 ? Math.max(64, dx < 0 ? nx : width - nx) : width;
+      g.font = FONTS.bold;
+      write(fitted(g, variable.name, Math.min(0.34 * width, 0.75 * room)), [nx, ny], direction, true);
+    }
+    g.font = FONTS.small;
+    for (const { at, a, b, values, direction } of axes)
+      for (const value of values) write(tickNumber(value), at((value - a) / (b - a) - 0.5, 1.06), direction, false);
+    const range = `: ${shortNumber(low)} … ${shortNumber(high)}`;
+    g.fillText(fitted(g, output.name, 0.7 * (width - 16 - g.measureText(range).width)) + range, 8, 15);
   };
 
   dot = (g, x, y) => {

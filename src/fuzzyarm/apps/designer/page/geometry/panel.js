@@ -103,12 +103,13 @@ export function shareOf(value, axis) {
  * @param {number} width pixels
  * @param {number} height pixels
  * @param {number} rows of labels above the plot
+ * @param {number} left room for numbers and the name of the axis that goes up
  */
-export function layoutOf(panel, width, height, rows) {
+export function layoutOf(panel, width, height, rows, left = ROOM.left) {
   const cells = panel.parts.find((part) => part.is === "cells");
   const hasBar = Boolean(cells) && width >= LEAST_WITH_BAR;
   const inside = {
-    left: ROOM.left,
+    left,
     top: ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * rows,
     right: width - (hasBar ? ROOM.bar : ROOM.right),
     bottom: height - ROOM.bottom,
@@ -131,7 +132,7 @@ export function layoutOf(panel, width, height, rows) {
 }
 
 /** Pixels around a plot; `row` is one of labels. */
-export const ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36, row: 15, bar: 74 };
+export const ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36, row: 15, bar: 74, name: 23 };
 
 const LEAST_WITH_BAR = 300;
 

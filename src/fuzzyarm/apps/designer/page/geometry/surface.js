@@ -138,14 +138,34 @@ export function crossings(z, n, level, rows = n) {
  * @param {number[][]} spots along the line, pixels
  * @param {{ left: number, top: number, right: number, bottom: number }} inside the plot
  * @param {number[][]} taken places of other numbers
+ * @param {number} half of the width of the number
  */
-export function spotsOf(spots, { left, top, right, bottom }, taken) {
+export function spotsOf(spots, { left, top, right, bottom }, taken, half = 12) {
+  const [margin, apart] = [half + 4, Math.max(42, 2 * half + 12)];
   const found = [];
   for (let i = 0; i < spots.length && found.length < 2; i++) {
     const spot = spots[Math.floor(((i * 0.618034) % 1) * spots.length)]; // spread over the line
     const [x, y] = spot;
-    const isInside = x > left + 16 && x < right - 16 && y > top + 10 && y < bottom - 10;
-    if (isInside && ![...taken, ...found].some(([u, v]) => Math.hypot(u - x, v - y) < 42)) found.push(spot);
+    const isInside = x > left + margin && x < right - margin && y > top + 10 && y < bottom - 10;
+    if (isInside && ![...taken, ...found].some(([u, v]) => Math.hypot(u - x, v - y) < apart)) found.push(spot);
   }
   return found;
 }
+
+/**
+ * Where a label stands that leads outward from a place: its left end, its base line, and the box that it fills.
+ *
+ * @param {number[]} place
+ * @param {number[]} direction
+ * @param {number} wide pixels
+ * @param {{ width: number, height: number }} picture which it does not leave
+ */
+export function outward([x, y], [dx, dy], wide, { width, height }) {
+  const length = Math.hypot(dx, dy) || 1;
+  const left = Math.max(4, Math.min(width - wide - 4, x - 0.5 * wide * (1 - dx / length)));
+  const base = Math.max(12, Math.min(height - 4, y + 4 + (5 * dy) / length));
+  return { left, base, box: [left - 3, base - 11, left + wide + 3, base + 3] };
+}
+
+/** Whether two boxes have nothing in common. */
+export const areApart = (a, b) => a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
