@@ -241,3 +241,67 @@ def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start)
     said = capsys.readouterr().err
     assert "the equations of own cannot be traced" in said
     assert "--sensor-delay PORT=TIME" in said
+
+
+LAG = (
+    "from fuzzyarm.plant import Plant, Port\n\n\n"
+    "class Lag(Plant):\n"
+    "    inputs = {'u': Port('V', -10, 10)}\n"
+    "    outputs = {'y': Port('V')}\n"
+    "    states = {'y': 'V'}\n\n"
+    "    def derivative(self, t, x, u, p):\n"
+    "        return [u[0] - x[0]]\n"
+)
+ON_LAG = "controller c\nperiod 10 ms\naxis y\n  e = error of y\n  drive u = e, within -10 .. 10\n"
+
+
+def test_names_in_a_certificate_count_from_its_folder(capsys, tmp_path, monkeypatch):
+    for folder in ("plants", "loops", "proofs", "moved", "elsewhere"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "plants/lag.py").write_text(LAG)
+    claim = "on 'plants/lag.py' from y in 0.1 .. 0.2: y in 0 .. 0.3 during 0 .. 50 ms"
+    (tmp_path / "loops/c.frb").write_text(ON_LAG)
+    monkeypatch.chdir(tmp_path)
+    out = "proofs/c.json"
+    assert main(["prove", "loops/c.frb", "--claim", claim, "--certificate", out]) == 0
+    seal = capsys.readouterr().out.split()[-1]
+    assert json.loads(Path(out).read_text())["seal"].startswith(seal)
+    for folder in (".", "proofs", "loops", "elsewhere"):
+        monkeypatch.chdir(tmp_path / folder)
+        assert main(["prove", "--check", str(tmp_path / out), "--trust"]) == 0
+        plant = str(tmp_path / "plants/lag.py")
+        assert main(["prove", "--check", str(tmp_path / out), "--plant", plant]) == 0
+        assert capsys.readouterr().out.count("c.json: proved: on ") == 2
+        # A plant of the certificate's choice runs by no other way.
+        assert main(["prove", "--check", str(tmp_path / out)]) == 1
+        assert "lag.py' is code" in capsys.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    Path(out).rename("c.json")
+    assert main(["prove", "--check", "c.json", "--trust"]) == 1
+    assert "the controller ../loops/c.frb is not there" in capsys.readouterr().err
+    for name in ("plants", "loops", "proofs"):
+        Path(name).rename(f"moved/{name}")
+    Path("c.json").rename("moved/proofs/c.json")
+    assert main(["prove", "--check", "moved/proofs/c.json", "--trust"]) == 0
+    # A file of the same name in the working folder is not looked at.
+    Path("elsewhere/c.frb").write_text(ON_LAG.replace("10 ms", "20 ms"))
+    Path("moved/loops/c.frb").unlink()
+    monkeypatch.chdir("elsewhere")
+    assert main(["prove", "--check", "../moved/proofs/c.json", "--trust"]) == 1
+
+
+def test_a_map_of_a_loop_without_a_region_says_why(capsys, tmp_path):
+    path = tmp_path / "away.frb"
+    path.write_text(
+        ON_LAG.replace("axis y", "axis shaft")
+        .replace("of y", "of position")
+        .replace("drive u = e", "drive voltage = e * -2")
+    )
+    words = ["prove", str(path), "--plant", "motor", "--map", "--budget", "5"]
+    assert main(words) == 4
+    assert "no region around rest is proved: next to rest a deviation grows" in (
+        capsys.readouterr().out
+    )
+    arm = ["prove", str(fuzzyarm.shipped("stfc.frb")), "--plant", "arm", "--map"]
+    assert main(arm) == 1
+    assert "the equations of arm cannot be traced" in capsys.readouterr().err

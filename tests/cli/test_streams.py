@@ -187,6 +187,33 @@ def test_every_command_bears_a_reader_that_has_gone(files, monkeypatch):
 
 
 @pytest.mark.slow
+def test_a_reader_that_has_gone_costs_no_file(files, monkeypatch):
+    linear = files / "linear.frb"
+    linear.write_text(
+        "controller c\nperiod 1 ms\naxis shaft\n  e = error of position\n"
+        "  drive voltage = e * 2, within -24 .. 24\n"
+    )
+    on_motor = ["prove", str(linear), "--plant", "motor"]
+    claim = "on motor from position in 0.1 .. 0.11: position in 0 .. 0.2 during 0 .. 2 ms"
+    calls = {
+        "region.json": [*on_motor, "--stable", "--certificate", "region.json"],
+        "tube.json": [*on_motor, "--claim", claim, "--certificate", "tube.json"],
+        "tube.svg": [*on_motor, "--for", "2 ms", "--plot", "tube.svg"],
+        "point.svg": ["eval", PD7, "e=1", "ce=2", "--plot", "point.svg"],
+        "run.csv": ["simulate", str(linear), "--plant", "motor", "--csv", "run.csv"],
+        "pd7.lut": ["compile", PD7, "-o", "pd7.lut"],
+    }
+
+    def unread():
+        reading, writing = os.pipe()
+        os.close(reading)
+        return open(writing, "w", buffering=1)
+
+    run_all(monkeypatch, unread, lambda: opened(files / "err"), list(calls.values()))
+    assert {name for name in calls if not (files / name).exists()} == set()
+
+
+@pytest.mark.slow
 def test_no_command_lets_a_control_character_through(files, capsys, monkeypatch):
     monkeypatch.setenv("NO_COLOR", "1")
     for words in of_every_command():

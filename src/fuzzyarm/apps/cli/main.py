@@ -260,10 +260,62 @@ def _run(words: list[str]) -> int:
             interrupts.listen()
             if command.rewrites(arguments):
                 return command.run(arguments)
-            with sources_kept(force=getattr(arguments, "force", False)):
+            with _finished(arguments), sources_kept(force=getattr(arguments, "force", False)):
                 return command.run(arguments)
     except SystemExit as stop:  # argparse ends with it after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
+
+
+RESULTS = [
+    "out",
+    "plot",
+    "certificate",
+    "animate",
+    "csv",
+    "overview",
+    "report",
+    "resume",
+    "journal",
+]
+"""Arguments of commands that name a file to be written."""
+
+
+class _PatientStream:
+    """The standard output of a command with results: it goes on where no one reads any more."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        try:
+            return self.stream.write(text)
+        except BrokenPipeError:
+            _discard_output()
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            self.stream.flush()
+        except BrokenPipeError:
+            _discard_output()
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.stream, name)
+
+
+@contextlib.contextmanager
+def _finished(arguments: argparse.Namespace) -> Iterator[None]:
+    """Write the files of a command, and keep its exit status, where its output is closed early."""
+    if not any(getattr(arguments, name, None) for name in RESULTS):
+        yield
+        return
+    before = sys.stdout
+    sys.stdout = cast("TextIO", _PatientStream(before))
+    try:
+        yield
+        sys.stdout.flush()
+    finally:
+        sys.stdout = before
 
 
 def _shortened(words: list[str], most: int = 72) -> str:

@@ -61,9 +61,9 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
             why = found.reason or "nothing of the window is proved"
             say(f"{out}: not written: {why}", to_errors=True)
         else:
-            write_certificate(found.certificate, out)
+            seal = write_certificate(found.certificate, out)
             if not request.json:
-                say(f"{out}: the certificate, {found.certificate.seal[:16]}")
+                say(f"{out}: the certificate, {seal[:16]}")
     if request.plot is not None:
         from fuzzyarm.apps.show.figures.panels import chart_figure
         from fuzzyarm.apps.show.start_map import map_chart

@@ -11,9 +11,11 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, NoReturn, cast, get_args
@@ -23,6 +25,7 @@ from fuzzyarm.base.protected import note_source
 from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim, Stretch, When
+from fuzzyarm.plant.own import ENVIRONMENT
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import require_sense
@@ -153,7 +156,7 @@ class Certificate:
     claim : LoopClaim
         What is claimed.
     controller : str
-        The file of the controller, as it was given.
+        The file of the controller.
     fingerprints : dict of str to str
         SHA-256 of the controller's file and of those that it uses, by name.
     regions : tuple of RegionProof
@@ -170,6 +173,9 @@ class Certificate:
         Of a map: the starts of which the boxes of its tubes are a part, by state.
     delays : dict of str to float
         Dead times of actuators by input, s; those of 0 are not there.
+    folder : str
+        Where the names of its files, `controller` and the plant of `claim`, count from: that of
+        its own file; empty for the working folder.
     """
 
     claim: LoopClaim
@@ -182,6 +188,27 @@ class Certificate:
     digests: Mapping[str, str] = field(default_factory=dict)
     window: tuple[Stretch, ...] = ()
     delays: Mapping[str, float] = field(default_factory=dict)
+    folder: str = field(default="", compare=False)
+
+    def place(self, name: str) -> str:
+        """Return a name of a file in it as it is from the working folder."""
+        return os.path.join(self.folder, name) if _is_relative_file(name) else name
+
+    def moved_to(self, folder: str) -> Certificate:
+        """Return it with the names of its files as they are from another folder."""
+
+        def moved(name: str) -> str:
+            if not _is_relative_file(name):
+                return name
+            # Only folders are resolved: a file may be a link, and `..` of a linked folder is not
+            # the folder that its name has before it.
+            above, own = os.path.split(self.place(name))
+            with suppress(ValueError):  # on another drive
+                above = os.path.relpath(os.path.realpath(above), os.path.realpath(folder))
+            return os.path.normpath(os.path.join(above, own)).replace(os.sep, "/")
+
+        claim = replace(self.claim, plant=moved(self.claim.plant))
+        return replace(self, claim=claim, controller=moved(self.controller), folder=folder)
 
     @property
     def region(self) -> RegionProof:
@@ -295,8 +322,16 @@ def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
     return {**data, "seal": _seal(data)}
 
 
-def write_certificate(certificate: Certificate, path: str) -> None:
-    """Write a certificate.
+def _is_relative_file(name: str) -> bool:
+    """Whether a name in a certificate is a relative path: not a shipped plant, nor ``gym:NAME``."""
+    is_file = any(end in name.lower() for end in (".py", ".frb", ".fmu"))
+    return is_file and not os.path.isabs(name) and not name.startswith(ENVIRONMENT)
+
+
+def write_certificate(certificate: Certificate, path: str) -> str:
+    """Write a certificate, and return its seal.
+
+    Relative names of files are written as they are from the folder of `path`.
 
     Parameters
     ----------
@@ -305,8 +340,10 @@ def write_certificate(certificate: Certificate, path: str) -> None:
     path : str
         The file, replaced as a whole.
     """
-    data = json.dumps(certificate.as_data(), indent=1, ensure_ascii=False)
-    write_atomically(path, (data + "\n").encode())
+    data = certificate.moved_to(os.path.dirname(path)).as_data()
+    text = json.dumps(data, indent=1, ensure_ascii=False)
+    write_atomically(path, (text + "\n").encode())
+    return str(data["seal"])
 
 
 def fingerprints_of(text: ControllerText) -> dict[str, str]:
@@ -458,6 +495,7 @@ def read_certificate(path: str) -> Certificate:
         _texts_of(data["proved"]),
         _stretches(data["window"]),
         {name: delay.number for name, delay in data["delays"].items()},
+        os.path.dirname(path),
     )
 
 

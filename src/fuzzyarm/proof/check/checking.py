@@ -136,8 +136,9 @@ class Checked(Shown):
 
     @property
     def claim(self) -> LoopClaim:
-        """What is claimed."""
-        return self.certificate.claim
+        """The claim, with the file of its plant as it is named from the working folder."""
+        claim = self.certificate.claim
+        return replace(claim, plant=self.certificate.place(claim.plant))
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -190,8 +191,8 @@ def check_certificate(
     certificate : Certificate or str
         Or its file.
     text : ControllerText, optional
-        The controller; by default its file is read, from the folder at hand or from that of the
-        certificate.
+        The controller; by default its file is read. Names of files in a certificate count from
+        the folder of the certificate.
     plant : Plant, optional
         In place of the one that the claim names.
     named : str, optional
@@ -208,13 +209,13 @@ def check_certificate(
     PlantError
         If its plant is code that may not run.
     """
-    begun, stop, folder = time.monotonic(), Stop(budget), Path(".")
+    begun, stop = time.monotonic(), Stop(budget)
     if isinstance(certificate, str):
-        folder = Path(certificate).parent
         certificate = read_certificate(certificate)
-    text = _controller(certificate, folder) if text is None else text
+    text = _controller(certificate) if text is None else text
     _require_files(certificate, text)
-    claim = certificate.claim
+    # The plant is compared with that of its name, as it is from the working folder.
+    claim = replace(certificate.claim, plant=certificate.place(certificate.claim.plant))
     plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
     plant = with_actuators(plant, {}, certificate.delays) if certificate.delays else plant
     statement = loop_sentence(
@@ -443,13 +444,15 @@ def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) 
     return max(0.0, float(share) * (1.0 - 1e-9))
 
 
-def _controller(certificate: Certificate, folder: Path) -> ControllerText:
-    """Return the controller of a certificate, from the folder at hand or that of its file."""
-    given = Path(certificate.controller)
-    for path in (given, folder / given, folder / given.name):
-        if path.is_file():
-            return read_controller(str(path))
-    raise CertificateError(f"the controller {certificate.controller} is not there")
+def _controller(certificate: Certificate) -> ControllerText:
+    """Return the controller of a certificate, by its name from the folder of the certificate."""
+    path = certificate.place(certificate.controller)
+    if not Path(path).is_file():
+        raise CertificateError(
+            f"the controller {path} is not there: its name counts from the certificate's folder",
+            hint="fuzzyarm prove --check CERTIFICATE CONTROLLER names another place",
+        )
+    return read_controller(path)
 
 
 def _require_files(certificate: Certificate, text: ControllerText) -> None:

@@ -334,8 +334,7 @@ def certify(
     That takes as long as is left of the budget. LoopProofError where there is none.
     """
     if verdict.certificate is not None:
-        write_certificate(verdict.certificate, path)
-        return verdict.certificate.seal
+        return write_certificate(verdict.certificate, path)
     claim = verdict.claim
     assert claim is not None
     budget = request.budget or TUBE_BUDGET
@@ -345,8 +344,7 @@ def certify(
         tell=lambda count, gap: tell(f"certificate of {verdict.statement}", count, gap),
         **setup_of(request, claim),
     )  # fmt: skip
-    write_certificate(tube, path)
-    return tube.seal
+    return write_certificate(tube, path)
 
 
 def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:

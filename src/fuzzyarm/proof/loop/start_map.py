@@ -50,7 +50,7 @@ from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.verdicts import prove_loop
 from fuzzyarm.proof.loop.zonotope import Forms
-from fuzzyarm.proof.stop import Stop
+from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
 
@@ -573,11 +573,16 @@ class _Map:
             self.text, claim_of_stability(claim), plant=self.plant, connect=self.connect,
             sensors=self.sensors,
         )  # fmt: skip
-        for (_, name), port in problem.site.interface.outputs.items():
-            if name in problem.states:
-                if not math.isfinite(port.high - port.low):
-                    raise ClaimError(f"'{name}' has no range", hint=f"--over '{name} in -1 .. 1'")
-                yield name, port.low, port.high
+        ports = problem.site.interface.outputs.items()
+        shown = {name: port for (_, name), port in ports if name in problem.states}
+        _ = problem.equations  # raises where nothing of the plant can be proved
+        if not shown:
+            hint = f"--over '{problem.states[0]} in -1 .. 1'" if problem.states else ""
+            raise ClaimError("no output of the plant is a state of it", hint=hint)
+        for name, port in shown.items():
+            if not math.isfinite(port.high - port.low):
+                raise ClaimError(f"'{name}' has no range", hint=f"--over '{name} in -1 .. 1'")
+            yield name, port.low, port.high
 
     def made(self) -> StartMap:
         """Return the whole map."""
@@ -588,9 +593,8 @@ class _Map:
         self.work += verdict.work
         self.region, self.certificate = verdict, verdict.certificate
         if verdict.certificate is None:
-            low, high = zip(*self.window.values(), strict=True)
-            self.boxes = [MappedBox(low, high, OPEN, 0, verdict.reason)]
-            return self._map(f"no region around rest is proved: {verdict.reason}")
+            why = verdict.reason or "; ".join(verdict.evidence)  # of a refuted loop
+            return self._without_region(why)
         case = _Case(
             self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate
         )
@@ -598,6 +602,9 @@ class _Map:
             if self.search.journal is not None:
                 self._open(self.search.journal)
             self._searched(case)
+        except TimeOverError as error:
+            if not self.boxes:
+                return self._without_region(str(error))
         except EnclosureError as error:
             raise LoopProofError(str(error)) from error
         finally:
@@ -607,12 +614,18 @@ class _Map:
         if self.search.certify:
             try:
                 self._certify(verdict.certificate)
-            except LoopProofError as error:
+            except (LoopProofError, TimeOverError) as error:
                 self.certificate = None
                 reason = f"no certificate of the map was found: {error}"
         if self.search.runs:
             self._draw()
         return self._map(reason)
+
+    def _without_region(self, why: str) -> StartMap:
+        """Return the map of which all is open."""
+        low, high = zip(*self.window.values(), strict=True)
+        self.boxes = [MappedBox(low, high, OPEN, 0, why)]
+        return self._map(f"no region around rest is proved: {why}")
 
     def _certify(self, region: Certificate) -> None:
         """Leave as proved what the checker follows, and keep that as the certificate."""
