@@ -394,6 +394,7 @@ declare namespace Messages {
     findings: Array<Finding>;
     more: number;
     colours: Array<Array<any>>;
+    verdicts: Array<Array<any>>;
   }
 
   /** A row function of the engine, and its numbers. */

@@ -436,6 +436,14 @@ expect a = 0 -> y = 3
 """
 
 
+def test_a_claim_has_its_verdict_at_its_line(served, window):
+    claims = {"u in -6 .. 6": "proved", "u in -5 .. 5": "refuted"}
+    text = shipped("pd7.frb").read_text() + "".join(f"prove {claim}\n" for claim in claims)
+    page = window(put(served, "claims.frb", text)[1])
+    for claim, verdict in claims.items():
+        page.locator(f".cm-line[data-verdict={verdict}]", has_text=f"prove {claim}").wait_for()
+
+
 def test_a_fix_is_offered_where_there_is_one(served, window):
     page = window(put(served, "doubts.frb", DOUBTS.replace("HIHG", "HIGH"))[1])
     findings = page.locator(".findings li")

@@ -293,6 +293,7 @@ Findings = TypedDict(
         "findings": list[Finding],
         "more": int,
         "colours": list[list[Any]],
+        "verdicts": list[list[Any]],
     },
 )
 SceneMessage = TypedDict(

@@ -332,6 +332,9 @@ class SharedText:
                 [*positions.of(_span(word))[0], positions.of(_span(word))[1][1], word.colour]
                 for word in session.kind.coloured(session.reading)
             ],
+            "verdicts": [
+                [verdict.line - 1, verdict.verdict] for verdict in session.verdicts if verdict.line
+            ],
         }
 
     def scene(self, session: Session) -> SceneMessage:

@@ -391,6 +391,8 @@ export class TextPane {
       const [from, to] = [this.offset([line, start]), this.offset([line, end])];
       if (to > from) marks.push(Decoration.mark({ class: `colour-${colour}` }).range(from, to));
     }
+    for (const [line, verdict] of message.verdicts)
+      marks.push(Decoration.line({ attributes: { "data-verdict": verdict } }).range(this.offset([line, 0])));
     this.findings = message.findings.map((each) => {
       const from = this.offset(each.range[0]);
       const to = Math.max(from, this.offset(each.range[1]));
