@@ -43,6 +43,15 @@ NUMBERS = {
 }  # fmt: skip
 
 
+def numbers_of(name: str) -> tuple[float, ...]:
+    """Return the numbers of a shape; of one that has none above, what its record allows."""
+    kind = kinds.SHAPES[name]
+    usual = tuple(
+        1.5 if each in kind.positive else k + 0.5 for k, each in enumerate(kind.parameters)
+    )
+    return NUMBERS.get(name, usual)
+
+
 def built_in(registry: Mapping[str, Kind]) -> list[str]:
     return [name for name, kind in registry.items() if not kind.own]
 
@@ -104,7 +113,7 @@ def answers(model: RuleBase, suffix: str, producer: str | None, word: str) -> No
 @pytest.mark.parametrize(("word", "program"), crossed(words(kinds.SHAPES), PROGRAMS), ids=str)
 def test_every_shape(word: str, program: tuple[str, str | None]) -> None:
     suffix, producer = program
-    shape = Shape(word, NUMBERS[word], 1.0, "2 * x + exp(z)" if word == "formula" else "")
+    shape = Shape(word, numbers_of(word), 1.0, "2 * x + exp(z)" if word == "formula" else "")
     if kinds.SHAPES[word].fuzzy:
         answers(rulebase(of_input=shape), suffix, producer, word)
     answers(rulebase(of_output=shape), suffix, producer, word)
@@ -144,7 +153,7 @@ def test_every_kind_goes_to_scikit_fuzzy_or_is_refused() -> None:
     models |= {f"hedge {hedge[0].name}": rulebase(hedges=hedge) for hedge in hedges}
     for name in (*built_in(kinds.SHAPES), OWN):
         formula = "x" if name == "formula" else ""
-        models[f"term {name}"] = rulebase(of_output=Shape(name, NUMBERS[name], 1.0, formula))
+        models[f"term {name}"] = rulebase(of_output=Shape(name, numbers_of(name), 1.0, formula))
     written = set()
     for what, model in models.items():
         system, diagnostics = to_skfuzzy(model)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -37,7 +38,7 @@ from fuzzyarm.language.model.rulebase import (
     Term,
     Variable,
 )
-from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS, Norm
 
 DATA = Path(__file__).parent / "data"
 FILES = sorted(DATA.glob("*.f??"))
@@ -107,6 +108,9 @@ def for_fuzzylite(rulebase: RuleBase, resolution: int, threshold: float) -> Rule
         replace(
             block,
             threshold=threshold,
+            conjunction=known(TNORMS, block.conjunction, "min"),
+            disjunction=known(SNORMS, block.disjunction, "max"),
+            implication=known(TNORMS, block.implication, "min"),
             rules=tuple(
                 Rule(
                     said_by_fuzzylite(rule.antecedent),
@@ -128,6 +132,11 @@ def for_fuzzylite(rulebase: RuleBase, resolution: int, threshold: float) -> Rule
             for each in outputs
         )
     return replace(plain, inputs=inputs, blocks=blocks, outputs=outputs)
+
+
+def known(registry: Mapping[str, Norm], name: str, otherwise: str) -> str:
+    """Return a norm that fuzzylite has; another one in its place."""
+    return name if "fll" in registry[name].names else otherwise
 
 
 def edged(variable: Variable) -> Variable:

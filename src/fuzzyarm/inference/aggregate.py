@@ -152,7 +152,7 @@ def folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
 def added_up(numbers: Iterable[float]) -> float:
     """Return the sum from left to right, each addition rounded.
 
-    ``sum`` of Python 3.12 and later keeps what was lost, and other engines do not.
+    ``sum`` of Python 3.12 and later compensates rounding, and other engines do not.
     """
     total = 0.0
     for number in numbers:

@@ -23,10 +23,10 @@ A program is a stretch of whole numbers::
     for each output:  number of sets that may fire (groups)
                       for each group: rules, where its consequent begins
                           for each rule: norm, where its weight and threshold are, operands
-                      then what its defuzzifier reads
+                      then the tables of its defuzzifier
 
-The names below say what stands where. :mod:`fuzzyarm.inference.layout` writes the whole
-numbers and the floats, :mod:`fuzzyarm.inference.kernel` reads them; what a defuzzifier reads is
+The names below are the indices. :mod:`fuzzyarm.inference.layout` writes the whole
+numbers and the floats, :mod:`fuzzyarm.inference.kernel` reads them; the tables of a defuzzifier are
 described in its own module.
 """
 
@@ -38,7 +38,7 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.symbolic.kernels import kernel, whole_numbers
 
-# ── what stands where, by name ───────────────────────────────────────────────────────
+# ── indices by name ─────────────────────────────────────────────────────────────────
 
 # Head of the whole numbers: counts; first rows; where programs and outputs begin;
 INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
@@ -106,7 +106,7 @@ STRENGTH, TOTAL, MOMENT = range(3)
 WORK_ROWS = 3
 
 CHOICE_ROOM = 4
-"""Floats at the end of the heap for what a value is made of."""
+"""Floats at the end of the heap for the parts of a value."""
 
 FAILED = -1
 """The program of a point whose inputs are not numbers, or out of range."""
@@ -116,7 +116,7 @@ FAILED = -1
 
 
 class NotCoveredError(Exception):
-    """The kernel does not do this; the message says what."""
+    """The kernel does not cover this; the message names it."""
 
 
 class Layout(NamedTuple):
@@ -125,7 +125,7 @@ class Layout(NamedTuple):
     Attributes
     ----------
     whole, floats : list
-        What the kernel reads.
+        Input of the kernel.
     programs : int
         How many cells of all inputs together there are.
     rows, samples : int
@@ -179,7 +179,7 @@ class PointBlock(NamedTuple):
     Attributes
     ----------
     numbers : memoryview of float64
-        What the kernel takes.
+        Input of the kernel.
     whole : memoryview of int64
         The same memory as whole numbers.
     columns, results : int

@@ -111,7 +111,7 @@ def cut_into_cells(
             }
             parts = [(edge, constants), (math.nextafter(edge, math.inf), cell)]
         for start, lines_here in parts:
-            # What lies in front of the range does not occur; a corner may stand on the float behind
+            # Values in front of the range do not occur; a corner may stand on the float behind
             # another that has a cell of its own. The end of the range has one where the lines in
             # front of it would round otherwise there.
             if start <= low or start == edges[-1]:

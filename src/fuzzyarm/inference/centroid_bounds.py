@@ -8,7 +8,7 @@ Mendel). So c is the root of
 
 which falls. Curves are given as lines on panels; prefix sums of area and moment find the panel
 where F changes its sign, and steps c ← M / A, kept between brackets, find c inside. The
-iterates are inner bounds: what is returned is the bracket outside. The least centroid is that
+iterates are inner bounds: the bracket outside is returned. The least centroid is that
 of the mirrored curves. Sums over samples or numbers are the same with weights for lines;
 there the greatest over all switch points is exact.
 
@@ -30,16 +30,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
-
-__all__ = [
-    "average_bounds",
-    "centroid_bounds",
-    "ends_of_average_bounds",
-    "ends_of_centroid_bounds",
-    "mirrored",
-    "sums_from_left",
-    "sums_from_right",
-]
 
 Interval = tuple["Array", "Array"]
 """Lower and upper bounds."""
@@ -82,7 +72,7 @@ def ends_of_centroid_bounds(
     edges : ndarray, shape (n + 1,)
         Ends of the panels, increasing.
     lower, upper : (ndarray, ndarray), shape (..., n, 2)
-        Between what the lower and the upper curve of the set lie, as in :func:`centroid_bounds`.
+        Bounds of the lower and the upper curve of the set, as in :func:`centroid_bounds`.
 
     Returns
     -------
@@ -119,7 +109,7 @@ def _brackets(edges: Array, lower: Array, upper: Array) -> Interval:
 
     area_lower, moment_lower = _integrals(edges, lower)
     area_upper, moment_upper = _integrals(edges, upper)
-    # What is left of each edge by the lower curve, right of it by the upper one.
+    # Left of each edge by the lower curve, right of it by the upper one.
     left_area, left_moment = sums_from_left(area_lower), sums_from_left(moment_lower)
     right_area, right_moment = sums_from_right(area_upper), sums_from_right(moment_upper)
     slope = left_moment - edges * left_area + right_moment - edges * right_area
@@ -187,7 +177,7 @@ def _integrals(edges: Array, curve: Array) -> tuple[Array, Array]:
 
 
 def sums_from_left(values: Array) -> Array:
-    """Return the sums of what is left of each edge."""
+    """Return the sums left of each edge."""
     import numpy as np
 
     total = np.cumsum(values, axis=-1)
@@ -195,7 +185,7 @@ def sums_from_left(values: Array) -> Array:
 
 
 def sums_from_right(values: Array) -> Array:
-    """Return the sums of what is right of each edge."""
+    """Return the sums right of each edge."""
     import numpy as np
 
     total = np.cumsum(values[..., ::-1], axis=-1)[..., ::-1]
@@ -210,9 +200,9 @@ def average_bounds(
     Parameters
     ----------
     least, greatest : ndarray, shape (..., n)
-        Between what each number lies; equal for constants.
+        Bounds of each number; equal for constants.
     lower, upper : ndarray, shape (..., n)
-        Between what each weight lies, not negative.
+        Bounds of each weight, not negative.
 
     Returns
     -------
@@ -246,9 +236,9 @@ def ends_of_average_bounds(
     Parameters
     ----------
     least, greatest : (ndarray, ndarray), shape (..., n)
-        Between what the least and the greatest value of each number lie.
+        Bounds of the least and the greatest value of each number.
     lower, upper : (ndarray, ndarray), shape (..., n)
-        Between what the least and the greatest weight of each number lie.
+        Bounds of the least and the greatest weight of each number.
 
     Returns
     -------
@@ -279,7 +269,7 @@ def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Ar
         np.take_along_axis(array, order, -1) for array in (numbers, left, right, can_count)
     )
     scale = 1e-13 * np.abs(x).max(axis=-1)
-    # Behind the number k: what counts on its left, itself included, and on its right.
+    # Behind the number k: the weights on its left, its own included, and on its right.
     area = sums_from_left(low)[..., 1:] + sums_from_right(high)[..., 1:]
     moment = sums_from_left(low * x)[..., 1:] + sums_from_right(high * x)[..., 1:]
     above = moment - x * area > scale[..., None] * area

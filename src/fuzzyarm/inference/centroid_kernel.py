@@ -2,7 +2,7 @@
 
 Defuzzifiers of the kernel, which add up area and moment: one over samples of the aggregate, one
 exactly over its straight pieces. They work behind the work rows and on one point at a time, for
-what is written down of one point fits into the nearest cache.
+the numbers of one point fit into the nearest cache.
 """
 
 from __future__ import annotations
@@ -29,21 +29,22 @@ from fuzzyarm.inference.block import (
     parts_of,
 )
 from fuzzyarm.inference.envelope import cut_pieces, envelope_of, whole_of
-from fuzzyarm.inference.firing_strengths import (
-    join,
-)
+from fuzzyarm.inference.firing_strengths import join
 from fuzzyarm.symbolic.kernels import kernel
+
+AT_ONCE = 4
+"""Sets of a point that are united and summed up in one pass."""
 
 
 @kernel
 def sampled_centroid(block: Any) -> None:
-    """Add up the samples of the aggregate, point by point."""
-    add_samples(block, 1)
+    """Add up the samples of the aggregate, point by point.
 
-
-@kernel
-def add_samples(block: Any, sides: int) -> None:
-    """Add up the samples of the aggregates of so many sides, point by point."""
+    Here a consequent has a sixth number: whether its degrees stand among zeros for all other
+    samples, it is clipped, and sets are united by the maximum. A few such sets are united in
+    registers, one sample after the other. The aggregate is not stored then, which would have every
+    set wait for the stores of the one before.
+    """
     k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
     samples = k[k[OUTPUT] + DETAIL]
@@ -51,20 +52,74 @@ def add_samples(block: Any, sides: int) -> None:
     positions = f[numbers : numbers + samples]
     weights = f[numbers + samples : numbers + 2 * samples]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
-    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
-    # Point by point: all samples of one point fit into the nearest cache, those of many do not.
     for point in range(total.shape[0]):
-        whole = turn = 0.0
-        for side in range(sides):
-            first, last = sample(k, f, room, point, side, aggregate, cut)
-            area = torque = 0.0  # in registers: a sum in a row waits for its own store
+        count, first, last = _firing_sets(k, room, heap, point, numbers)
+        if count <= AT_ONCE:
+            height_0, height_1, height_2, height_3 = heap[0], heap[1], heap[2], heap[3]
+            set_0, set_1, set_2, set_3 = int(heap[4]), int(heap[5]), int(heap[6]), int(heap[7])
+            area = torque = 0.0
             for i in range(first, last):
-                part = weights[i] * aggregate[i]
+                degree = max(0.0, min(height_0, f[set_0 + i]))
+                degree = max(degree, min(height_1, f[set_1 + i]))
+                degree = max(degree, min(height_2, f[set_2 + i]))
+                degree = max(degree, min(height_3, f[set_3 + i]))
+                part = weights[i] * degree
                 area += part
                 torque += part * positions[i]
-            whole, turn = whole + area, turn + torque
-        total[point] = whole
-        moment[point] = turn
+            total[point] = area
+            moment[point] = torque
+        else:
+            total[point], moment[point] = _summed(k, f, room, heap, point, positions, weights)
+
+
+@kernel
+def _firing_sets(k: Any, room: Any, heap: Any, point: int, numbers: int) -> tuple[int, int, int]:
+    """Write down heights and degrees of the sets of a point; return how many, and where they are.
+
+    Where there are more than `AT_ONCE`, or one that is not united in registers, they are one more.
+    """
+    for i in range(AT_ONCE):  # the height 0, and the degrees of any other array
+        heap[i], heap[AT_ONCE + i] = 0.0, float(numbers)
+    width = k[WIDTH]
+    count = 0
+    first, last = k[k[OUTPUT] + DETAIL], 0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * width + point]
+        if height > 0.0:
+            if count == AT_ONCE or k[consequent + 5] == 0:
+                return AT_ONCE + 1, 0, 0
+            begin = k[consequent]
+            first, last = min(first, begin), max(last, k[consequent + 1])
+            heap[count], heap[AT_ONCE + count] = height, float(k[consequent + 2] - begin)
+            count += 1
+    return count, first, last
+
+
+@kernel
+def _summed(
+    k: Any, f: Any, room: Any, heap: Any, point: int, positions: Any, weights: Any
+) -> tuple[float, float]:
+    """Return area and moment of the samples of an aggregate of any sets."""
+    samples = positions.shape[0]
+    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
+    first, last = sample(k, f, room, point, 0, aggregate, cut)
+    return weighed(aggregate, positions, weights, first, last)
+
+
+@kernel
+def weighed(
+    aggregate: Any, positions: Any, weights: Any, first: int, last: int
+) -> tuple[float, float]:
+    """Return area and moment of samples, from the first to the last."""
+    area = torque = 0.0  # in registers: a sum in a row waits for its own store
+    for i in range(first, last):
+        part = weights[i] * aggregate[i]
+        area += part
+        torque += part * positions[i]
+    return area, torque
 
 
 @kernel

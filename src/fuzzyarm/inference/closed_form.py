@@ -84,19 +84,19 @@ def _add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> Non
 
 @kernel
 def part_of_layer(one: float, other: float, start: float, depth: float) -> float:
-    """Return how far the smaller of two heights reaches into a layer."""
+    """Return x: how far the smaller of two heights, degrees from 0 to 1, reaches into a layer."""
     return min(max(min(one, other) - start, 0.0), depth)
 
 
 @kernel
 def layer_area(x: float, a1: float, a2: float) -> float:
-    """Return the area of a layer up to x; see :class:`fuzzyarm.inference.overlap.Layer`."""
+    """Return a1 x + a2 x², the area of a layer up to x; see :mod:`fuzzyarm.inference.overlap`."""
     return x * (a1 + a2 * x)
 
 
 @kernel
 def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
-    """Return the moment of a layer up to x."""
+    """Return b1 x + b2 x² + b3 x³, the moment of a layer up to x about the middle of the range."""
     return x * (b1 + x * (b2 + b3 * x))
 
 
@@ -104,7 +104,7 @@ def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
 def closed_centroid_at_point(
     k: Any, f: Any, heights: Any, groups: int, at: int
 ) -> tuple[float, float, int]:
-    """Return area and moment at a point, and what is behind; see :func:`closed_centroid`."""
+    """Return area and moment at a point, and the index behind; see :func:`closed_centroid`."""
     unions = k[at]
     at += 1
     for union in range(groups, groups + unions):

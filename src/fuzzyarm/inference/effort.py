@@ -1,6 +1,6 @@
 """How long a point takes, in round numbers: how many of them a picture or a comparison is worth.
 
-The same numbers on every machine, so that what is drawn and stated is the same there: no clock.
+The same numbers on every machine, hence the same pictures and statements: no clock.
 The microseconds are those of one processor of 2024; of 240 random rule bases nine of ten take
 between a tenth and twice as long as this says.
 """
@@ -13,7 +13,7 @@ from fuzzyarm.inference.programs import SEARCHED, program_of
 from fuzzyarm.language.model.rulebase import RuleBase
 
 PER_RULE = 0.05
-"""For what fires, for each rule."""
+"""For the strength of each rule."""
 
 PER_SAMPLE = 0.002
 """For each sample of each set of an output."""
@@ -38,7 +38,7 @@ ENDS_OF_INTERVAL = 4.0
 """How many quadratures the two ends of a centroid of interval type 2 take."""
 
 INTERPRETED = 100.0
-"""So many times as long takes what machine code does not cover."""
+"""Factor of an output that machine code does not cover."""
 
 
 def microseconds(rulebase: RuleBase) -> float:

@@ -1,4 +1,4 @@
-"""The kernel with the numbers of a rule base: what :func:`fuzzyarm.compiled` returns.
+"""The kernel with the numbers of a rule base: the result of :func:`fuzzyarm.compiled`.
 
 A rule base has a kernel for each of its stages (:mod:`.stages`), nearly always one.
 """
@@ -55,7 +55,7 @@ class Compiled:
     kernel : str
         ``"machine code"``, or ``"python"``: the source of the kernel, interpreted.
     reason : str
-        What the machine code does not cover; empty where it does.
+        The part that machine code does not cover; empty if it covers everything.
 
     Raises
     ------
@@ -128,7 +128,7 @@ class Compiled:
         Returns
         -------
         dict of str to float or ndarray of float64
-            What :func:`fuzzyarm.infer` returns, and it raises the same errors.
+            As :func:`fuzzyarm.infer`, with the same errors.
         """
         if not values and held is None:  # the thin path
             result = self.named_point(named)
@@ -174,7 +174,7 @@ class Compiled:
         return found
 
     def _named(self, arguments: Mapping[str, Any]) -> dict[str, float] | None:
-        """Return the outputs at inputs by name, stage by stage; None for what is not ordinary."""
+        """Return the outputs at inputs by name, stage by stage; None without an ordinary value."""
         if arguments.keys() != set(self._inputs):
             return None
         values = dict(arguments)

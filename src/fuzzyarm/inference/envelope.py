@@ -210,7 +210,7 @@ def reach_end(
 
 @kernel
 def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
-    """Return the end of what a set covers."""
+    """Return the end of the support of a set."""
     # There may be pieces of no height in front and behind; only an area counts.
     value = 0.0
     covered = False
@@ -224,7 +224,7 @@ def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
     return value
 
 
-# What stands in front of c, and its mirror image. Two functions: both stop at c, from their own
+# The part in front of c, and its mirror image. Two functions: both stop at c, from their own
 # side, and the piece at c is added last, in which order the bits are those of plain Python.
 
 

@@ -1,4 +1,4 @@
-"""What can go wrong when a rule base is evaluated."""
+"""Errors of the evaluation of a rule base."""
 
 from __future__ import annotations
 

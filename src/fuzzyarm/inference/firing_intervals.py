@@ -5,7 +5,7 @@ so a rule fires between two strengths. Norms rise with their operands: the upper
 what the rule gives of upper degrees, the lower of lower ones, and under a hedge that falls
 (``not``) the ends change places. So :func:`doubled` writes a rule base of type 1 in which each
 term stands twice and each rule twice, and every evaluator of rules (point, arrays, kernel,
-exported code) reads it as it reads any other. What is new comes behind it: a defuzzifier that
+exported code) reads it as it reads any other. New is only the last step: a defuzzifier that
 takes the sets of both readings (:mod:`fuzzyarm.inference.type_reduction_kernel`).
 """
 
@@ -51,7 +51,7 @@ class Doubled(NamedTuple):
     rulebase : RuleBase
         Of type 1, but for the defuzzifiers.
     lower_names : dict of (str, str) to str
-        For a variable and a term: what its lower end is called.
+        For a variable and a term: the name of its lower end.
     readings : tuple of tuple of int
         For each rule of the model the indices of its upper and lower reading; only one where it
         concludes outputs of type 1 alone.
@@ -214,7 +214,7 @@ class _Doubling:
         return any((p.variable, p.term) in self.intervals for p in propositions(expression))
 
     def _refuse(self, rule: Rule, concluded: set[str]) -> None:
-        """Refuse what has no meaning: an interval that meets a way of type 1."""
+        """Refuse an interval under a defuzzifier of type 1, which has no meaning."""
         for part in propositions(rule.antecedent):
             if part.variable in concluded & self.two_sided:
                 raise InferenceError(

@@ -32,7 +32,7 @@ from fuzzyarm.symbolic.kernels import call, kernel
 
 @kernel
 def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
-    """Write down the truth of the expressions in parentheses; return what is behind."""
+    """Write down the truth of the expressions in parentheses; return the index behind."""
     width = k[WIDTH]
     expressions = k[at]
     at += 1
@@ -55,7 +55,7 @@ def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
 
 @kernel
 def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
-    """Fold the strengths of the rules of each group, one row each; return what is behind."""
+    """Fold the strengths of the rules of each group, one row each; return the index behind."""
     width = k[WIDTH]
     groups = k[at]
     at += 1
@@ -78,7 +78,7 @@ def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> i
 
 @kernel
 def unite_rules(k: Any, room: Any, at: int, count: int) -> int:
-    """Do what :func:`fold_heights` does for a grid of rules of two operands, as nearly all are."""
+    """As :func:`fold_heights`, for the usual grid of rules of two operands."""
     width = k[WIDTH]
     groups = k[at]
     at += 1
@@ -106,7 +106,7 @@ def unite_rules(k: Any, room: Any, at: int, count: int) -> int:
 def fold_heights_of_point(
     k: Any, f: Any, room: Any, at: int, fold: int, heights: int, operands: int
 ) -> int:
-    """Fold the strengths of the rules of each group at a point; return what is behind."""
+    """Fold the strengths of the rules of each group at a point; return the index behind."""
     groups = k[at]
     at += 1
     for group in range(heights, heights + groups):
@@ -124,7 +124,7 @@ def fold_heights_of_point(
 
 @kernel
 def unite_rules_of_point(k: Any, room: Any, at: int, heights: int, operands: int) -> int:
-    """Do what :func:`fold_heights_of_point` does for a grid of rules as nearly all are."""
+    """As :func:`fold_heights_of_point`, for the usual grid of rules."""
     # Neither norms nor weights are read, which are half of the work of a rule.
     groups = k[at]
     at += 1
@@ -167,7 +167,7 @@ def _fired(k: Any, f: Any, room: Any, rule: int, operands: int) -> float:
 def is_joined(norm: int, row: int) -> bool:
     """Whether an operand is one, and does not stand for those that a rule has fewer than others.
 
-    The norms that the kernel does by itself leave the bits of what a neutral one joins.
+    The kernel's own norms leave the bits of an operand joined with a neutral one.
     """
     return row != ONES or MIN <= norm <= SUM
 

@@ -239,7 +239,7 @@ def check_expectations(
     rulebase : RuleBase
         The model.
     on_step : callable
-        Called before each expectation; what it raises ends the check.
+        Called before each expectation; an exception from it ends the check.
 
     Returns
     -------
@@ -293,14 +293,14 @@ def _failed(expectation: Expectation, message: str) -> Diagnostic:
 
 
 def holds(outcome: Outcome, value: float, output: Output) -> bool:
-    """Return whether `value` is what `outcome` says.
+    """Return whether `value` fits `outcome`.
 
     Parameters
     ----------
     outcome : Outcome
         The relation and its right side.
     value : float
-        What came out.
+        Result.
     output : Output
         Whose range gives the tolerance of an ``=`` without one.
     """

@@ -1,4 +1,4 @@
-"""Inputs as a caller gives them: names, numbers, ranges; and what holds where no rule fires."""
+"""Inputs as a caller gives them: names, numbers, ranges; and the output where no rule fires."""
 
 from __future__ import annotations
 

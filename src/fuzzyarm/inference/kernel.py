@@ -2,7 +2,7 @@
 
 All that it reads and writes stands in one array of floats, the **block**, whose picture is in
 :mod:`fuzzyarm.inference.block`. Every input finds its cell between the corners of its terms; the
-cells together name a **program**, which lists the rules that can fire there and what to integrate.
+cells together name a **program**, which lists the rules that can fire there and the integrals.
 So nothing is searched, and the cost grows with the rules that fire, not with the rules. Points are
 sorted by their program; what a program does it does to all of its points in a row, which the
 processor takes several at a time.
@@ -109,14 +109,14 @@ from fuzzyarm.symbolic.kernels import call, kernel, short, whole_numbers
 
 
 class KernelForm(NamedTuple):
-    """What a rule base is made of.
+    """The composition of a rule base.
 
     Attributes
     ----------
     inputs, outputs, operands : int
         How many there are; operands of each rule.
     grid : bool
-        Whether it is known to be what nearly all are: straight terms, rules ``a and b`` under min,
+        Whether it is known to be of the usual form: straight terms, rules ``a and b`` under min,
         of weight 1, united by max, no expressions in parentheses, and the centroid in closed form.
         Otherwise the block says for each output.
     """
@@ -129,7 +129,7 @@ class KernelForm(NamedTuple):
 
 @kernel
 def form_of(k: Any) -> KernelForm:
-    """Read what a rule base is made of in its block."""
+    """Read the composition of a rule base from its block."""
     return KernelForm(k[INPUTS], k[OUTPUTS], k[OPERANDS], False)
 
 
@@ -140,7 +140,7 @@ def form_of_grid(k: Any) -> KernelForm:
 
 
 GRID: dict[str, Callable[..., Any]] = {"form_of": form_of_grid}
-"""What :func:`evaluate` is bound to for such a rule base: constants, which the compiler follows."""
+"""Bindings of :func:`evaluate` for such a rule base: constants, which the compiler propagates."""
 
 
 def is_grid(block: Any) -> bool:
@@ -166,7 +166,7 @@ def evaluate(block: Any) -> None:
     """
     k = whole_numbers(block)
     f = block[k[FLOATS] :]
-    # Read once: the compiler does not know that what is written to a row changes none of them.
+    # Read once: the compiler does not know that a store to a row changes none of them.
     form = form_of(k)
     inputs, outputs, columns, results = form.inputs, form.outputs, k[COLUMNS], k[RESULTS]
     program = _program_of_point(block, k, f, inputs, columns)
@@ -329,7 +329,7 @@ def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool
 
 @kernel
 def bucket_of(value: float, first: float, scale: float, last: float) -> float:
-    """Return the even bucket of a value, in front of its fraction; 0 for what is not a number."""
+    """Return the even bucket of a value, in front of its fraction; 0 for NaN."""
     return min(max(0.0, (value - first) * scale), last)
 
 
@@ -481,7 +481,7 @@ def _fuzzify_point(
 
 @kernel
 def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: Any) -> int:
-    """Bring values into the range, say what holds where nothing fired; count the NaN."""
+    """Bring values into the range, fill in the value where nothing fired; count the NaN."""
     low, high, silent = bounds[0], bounds[1], bounds[2]
     count = total.shape[0]
     for point in range(count):
@@ -497,7 +497,7 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
 
 @kernel
 def settled(mode: int, low: float, high: float, silent: float, total: float, value: float) -> float:
-    """Return a value brought into the range, or what holds where nothing fired."""
+    """Return a value brought into the range, or the one for points where nothing fired."""
     found = silent
     if total > 0.0:
         found = value
@@ -512,7 +512,7 @@ def settled(mode: int, low: float, high: float, silent: float, total: float, val
 
 @kernel
 def mean_of(centre: float, moment: float, total: float) -> float:
-    """Return the mean of what has a moment about a centre; 0 / 0 where nothing fired."""
+    """Return the mean from a moment about a centre; 0 / 0 where nothing fired."""
     return centre + moment / total
 
 
@@ -525,15 +525,15 @@ def mean_of(centre: float, moment: float, total: float) -> float:
 
 @kernel
 def at_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return total, and moment or value, of a point; stands for what a defuzzifier does there."""
+    """Return total, and moment or value, of a point; a placeholder, bound per defuzzifier."""
     raise NotImplementedError
 
 
 @kernel
 def point_by_point(block: Any) -> None:
-    """Do at each point what `at_point` is bound to, see :mod:`fuzzyarm.inference.programs`.
+    """Call `at_point`, as bound, at each point, see :mod:`fuzzyarm.inference.programs`.
 
-    Behind the work rows stands a heap for what is written down of one point: it fits into the
+    Behind the work rows stands a heap for the numbers of one point, which fits into the
     nearest cache.
     """
     k, f, room, total, moment = parts_of(block)
@@ -544,7 +544,7 @@ def point_by_point(block: Any) -> None:
 
 @kernel
 def made_of(k: Any, heap: Any, first: float, second: float, third: float, fourth: float) -> float:
-    """Return what an output makes of several numbers."""
+    """Return the value that an output makes of several numbers."""
     at = heap.shape[0] - CHOICE_ROOM
     heap[at], heap[at + 1], heap[at + 2], heap[at + 3] = first, second, third, fourth
     one = heap[at : at + 1]
@@ -557,7 +557,7 @@ def made_of(k: Any, heap: Any, first: float, second: float, third: float, fourth
 def _defuzzified_point(
     block: Any, k: Any, room: Any, head: int, groups: int, at: int
 ) -> tuple[float, float, int]:
-    """Have a defuzzifier add up total and moment of the one point; return what is behind, too."""
+    """Let a defuzzifier add up total and moment of a point; return them and the index behind."""
     # Nothing was sorted: it reads the columns where `sweep` has it read a copy.
     k[INPUT_ROWS], k[FIRST], k[COUNT] = k[COLUMNS], 0, 1
     k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at

@@ -1,7 +1,8 @@
 """Inputs as callers have them: numbers, arrays, and Series, DataFrames and DataArrays.
 
-What has an index, or dims and coordinates, comes back with them. pandas and xarray are known by
-the names of their types alone: whoever has none of their values does not load them.
+Series, frames and labelled arrays come back with their index, or dims and coordinates. pandas and
+xarray are known by the names of their types alone: whoever has none of their values does not load
+them.
 """
 
 from __future__ import annotations
@@ -94,7 +95,7 @@ def _library(value: Any) -> str:
 
 
 class Labels:
-    """What puts the labels of the inputs on the outputs."""
+    """Labels of the inputs, for the outputs."""
 
     def __init__(self, wrap: Callable[[str, Any], Any], container: type | None) -> None:
         self._wrap = wrap

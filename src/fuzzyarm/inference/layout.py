@@ -96,8 +96,8 @@ def lay_out(
         For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
         is 0.
     plain : bool
-        For the interpreted kernel: what is plain Python (inverses of one's own, a search for exact
-        maxima) may be in it.
+        For the interpreted kernel: plain Python (inverses of one's own, a search for exact maxima)
+        may be in it.
 
     Returns
     -------
@@ -125,7 +125,7 @@ def what_is_not_covered(rulebase: RuleBase) -> str:
 
 
 _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
-"""Programs by what they are written from, with how many heights each output has."""
+"""Programs by their content, with the number of heights of each output."""
 
 MOST_KNOWN, MOST_KEPT = 16, 50_000
 """How many are kept before the cache is cleared; and the largest size of one."""
@@ -206,7 +206,7 @@ class _Writer:
         return self.truths[key].number
 
     def _asserted(self, part: Is) -> int:
-        """Return the number of what asserts a term of an output: strengths folded as sets are."""
+        """Return the number of the assertion of a term: strengths folded as sets are."""
         key = (part, "", "")
         if key not in self.truths:
             output = self.plan.outputs[part.variable]

@@ -1,4 +1,4 @@
-"""What an output adds to a layout: its head, and what its defuzzifier reads.
+"""The part of an output in a layout: its head, and the tables of its defuzzifier.
 
 The picture of each stretch of numbers stands in the module of the kernel that reads it:
 :mod:`.closed_form`, :mod:`.centroid_kernel`, :mod:`.quadrature_kernel`, :mod:`.positions`,
@@ -15,14 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import TermNumbers
+from fuzzyarm.inference.centroid_kernel import AT_ONCE
 from fuzzyarm.inference.firing_intervals import UPPER
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan
-from fuzzyarm.inference.programs import (
-    CLOSED,
-    JOINED,
-    program_of,
-)
+from fuzzyarm.inference.programs import CLOSED, JOINED, SAMPLES, program_of
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
     DEEPEST,
@@ -44,6 +41,10 @@ from fuzzyarm.symbolic.nodes import Node, replace, symbol, trace
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.maxima import SearchedMaxima
+
+
+MOST_PADDED = 1 << 16
+"""Samples of all sets of an output, up to which those where a set is 0 are written down, too."""
 
 
 class LaidRule(NamedTuple):
@@ -95,12 +96,12 @@ class Base(Protocol):
         """All rules."""
 
     def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
-        """Return what a program says of a rule."""
+        """Return the numbers of a rule in a program."""
 
 
 @cache
 def _numbers_wanted() -> dict[Node, float]:
-    """Return what defuzzifiers of the kernel do by themselves, by the value of the record."""
+    """Return the values that defuzzifiers of the kernel compute themselves, from their records."""
     from fuzzyarm.inference import positions
 
     return {
@@ -132,7 +133,7 @@ def wanted(plan: OutputPlan) -> float:
 
 
 def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
-    """Return what is made of the number that a defuzzifier finds, and what it makes of several.
+    """Return the post-processing functions of a defuzzifier: of one number, and of several.
 
     Row functions by number, 0 where there is nothing to do or the kernel does it.
     """
@@ -147,7 +148,7 @@ def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
 
 
 class OutputWriter:
-    """Writes what one output adds to the programs.
+    """Writes the part of one output in the programs.
 
     Parameters
     ----------
@@ -195,7 +196,7 @@ class OutputWriter:
         ]  # fmt: skip
 
     def _write_detail(self) -> int:
-        """Write what the defuzzifier reads of its own; return its number."""
+        """Write the tables of the defuzzifier; return its number."""
         write = {
             "layers": self._write_layers, "values": self._write_values,
             "numbers": self._write_numbers, "pairs": self._write_pairs,
@@ -206,7 +207,7 @@ class OutputWriter:
         return write[self.program.reads]()
 
     def _last_float(self) -> float:
-        """Return the last float of an output: the centre of the moments, or what is wanted."""
+        """Return the last float of an output: centre of the moments, or requested position."""
         output, centre = self.plan.output, self.program.centre
         if not centre:
             return wanted(self.plan)
@@ -254,9 +255,11 @@ class OutputWriter:
         floats += sample_positions(output.low, output.high, output.defuzzifier)
         floats += weights(count, output.defuzzifier.sampling)
         # Two rows, or three, where both sides of an interval type-2 set are sampled.
-        self.samples = (3 * count + 1) // 2 if self.plan.record.type2 else count
+        self.samples = (3 * count + 1) // 2 if self.plan.record.type2 else max(AT_ONCE, count)
         if self.program is JOINED:
             self.samples = 2 * (2 + self._most_groups)
+        # In one pass: quicker as machine code, and slower where it is interpreted.
+        padded = self.base.addresses.compiled and count * len(self.plan.members) <= MOST_PADDED
         for i, member in enumerate(self.plan.members):
             sampled = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
@@ -266,9 +269,17 @@ class OutputWriter:
                 begin, heights = 0, sampled.over(count)
             self.consequents[i] = len(self.base.whole)
             cut = self._norm(TNORMS[member.implication], "T")
-            end, first = begin + len(heights), self._floats(heights)
+            end = begin + len(heights)
+            is_gravity = self.program is SAMPLES["gravity"]
+            if is_gravity and padded:
+                first = self._floats(sampled.over(count)) + begin
+            else:
+                first = self._floats(heights)
             self.base.whole += [begin, end, first, cut, self._side(i)]
-            self._mark("samples", i, len(floats) - len(heights), len(heights))
+            if is_gravity:
+                united = member.implication == "min" and output.aggregation == "max"
+                self.base.whole.append(int(padded and united))
+            self._mark("samples", i, first, len(heights))
         return count
 
     @property
@@ -310,7 +321,7 @@ class OutputWriter:
         return begin
 
     def _write_panels(self) -> int:
-        """Write what the quadrature reads; see :mod:`fuzzyarm.inference.quadrature_kernel`."""
+        """Write the tables of the quadrature; see :mod:`fuzzyarm.inference.quadrature_kernel`."""
         from fuzzyarm.inference import quadrature_kernel
 
         plan, whole = self.plan, self.base.whole
@@ -394,7 +405,7 @@ class OutputWriter:
         return self._floats([constant_term, *coefficients])
 
     def _write_levels(self) -> int:
-        """Write what exact maxima read of a set; see :mod:`fuzzyarm.inference.positions`."""
+        """Write the tables of a set for exact maxima; see :mod:`fuzzyarm.inference.positions`."""
         from fuzzyarm.inference import positions
 
         pieces = 0
@@ -458,7 +469,7 @@ class OutputWriter:
     def _number(
         self, member: Member, inputs: Sequence[str]
     ) -> tuple[int, list[int], Sequence[float]]:
-        """Return how a number is found, what for, and the numbers of its own."""
+        """Return how a number is found, its head, and its own numbers."""
         from fuzzyarm.inference import positions
 
         shape, addresses = member.term.shape, self.base.addresses
@@ -502,7 +513,7 @@ class OutputWriter:
         return self.members, self.consequents, united, values, layers
 
     def write(self, active: Sequence[LaidRule], rows: Mapping[int, int]) -> None:
-        """Append what is to be done for this output in one cell."""
+        """Append the part of this output in one cell."""
         whole = self.base.whole
         groups = list(self._groups(active))
         whole.append(len(groups))

@@ -51,7 +51,7 @@ Layers = tuple[Layer, ...]
 
 
 class Overlap(NamedTuple):
-    """What to subtract: `layers` at the smaller of hₖ and the greatest of the others."""
+    """A subtrahend: `layers` at the smaller of hₖ and the greatest of the others."""
 
     member: int
     others: tuple[int, ...]

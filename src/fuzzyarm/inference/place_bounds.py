@@ -13,7 +13,7 @@ smallest, the largest, the mean of all positions and that nearest to 0: the mean
 middle, and that of several an average of their middles by their lengths. If it is open which of
 several sets is the highest, it is one of their humps or some of them together: the hull of all.
 
-What inference takes for equal (areas and heights that differ by 1e-12) counts as equal here, too.
+Areas and heights that differ by 1e-12 count as equal here, as in inference.
 """
 
 from __future__ import annotations
@@ -33,18 +33,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
     Flags = NDArray[np.bool_]
-
-__all__ = [
-    "TIE",
-    "Humps",
-    "bisector_bounds",
-    "halving_bounds",
-    "largest_bounds",
-    "mean_bounds",
-    "nearest_bounds",
-    "nearest_half_bounds",
-    "smallest_bounds",
-]
 
 TIE = 1e-11
 """Share by which heights, and areas, may differ and count as equal: more than inference allows."""
@@ -117,9 +105,9 @@ def halving_bounds(
     Parameters
     ----------
     least, greatest : ndarray, shape (..., n)
-        Between what each number lies; equal for samples.
+        Bounds of each number; equal for samples.
     lower, upper : ndarray, shape (..., n)
-        Between what each weight lies, not negative.
+        Bounds of each weight, not negative.
 
     Returns
     -------
@@ -155,7 +143,7 @@ def nearest_half_bounds(positions: Array, lower: Array, upper: Array) -> tuple[A
     positions : ndarray, shape (n,)
         The samples, increasing.
     lower, upper : ndarray, shape (..., n)
-        Between what each height lies, not negative.
+        Bounds of each height, not negative.
 
     Returns
     -------

@@ -269,7 +269,7 @@ def _order_once(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[Planne
 
 
 def _name_of(term: Term) -> tuple[str, str | Shape]:
-    """Return what rules depend on: the name and the kind of a term, or the whole of a formula."""
+    """Return the part of a term that rules depend on: name and kind, or the whole of a formula."""
     return term.name, term.shape if term.shape.kind == "formula" else term.shape.kind
 
 
@@ -324,7 +324,7 @@ def _reads(rule: Rule, outputs: Iterable[str]) -> frozenset[str]:
 
 
 def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
-    """Order the rules of a block so that what they read of its own outputs is complete."""
+    """Order the rules of a block so that outputs of its own are complete before they are read."""
     waiting = list(range(len(block.rules)))
     if not outputs:
         return waiting
@@ -489,7 +489,7 @@ def _member(
     shape, formula, holds_value = term.shape, None, is_value(term.shape)
     if shape.kind == "formula":
         formula = formula_of(shape)
-        # What is weighed is a value: `x` is then the variable of that name, and not a position.
+        # A weighed consequent is a value: its `x` is the variable of that name, not a position.
         holds_value |= output.defuzzifier.record.weighs
         _check_formula(rulebase, output, term, formula, discrete=discrete, is_set=not holds_value)
     if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
@@ -594,7 +594,7 @@ def needed(plan: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
             for _, rule in plan.outputs[name].contributions
             if plan.rules[rule].rule.weight != 0.0
         }
-        # To a fixed point: what a needed output reads is needed as well.
+        # To a fixed point: outputs that a needed one reads are needed as well.
         further = _read(plan, outputs, more) & plan.outputs.keys()
         if more == rules and further <= outputs:
             return outputs, rules

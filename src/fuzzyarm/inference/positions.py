@@ -5,17 +5,17 @@ takes them: a set is cut at the strength of its rule, where its line passes that
 another point, and the union is taken at all these points and joined again. Two sets that cross
 between two of them are cut off by a chord; of the result the integrals are exact.
 
-All of it goes point by point; what is done at one point is a
-function of its own, to which :func:`.kernel.point_by_point` is bound, and which exported programs
-have as well (:mod:`fuzzyarm.exchange.export.walk`).
+All of it goes point by point; the work at one point is a function of its own, to which
+:func:`.kernel.point_by_point` is bound, and which exported programs have as well
+(:mod:`fuzzyarm.exchange.export.walk`).
 
 A value that is one of several positions is the answer itself: the row TOTAL then has something
-above 0, and the row MOMENT has the value. (0, 0) says that no rule fired; the caller puts what
-holds then in its place. Nothing here makes a NaN of its own: strengths are from 0 to 1, and what
-divides is above 0 where it is asked. A formula or an inverse that has no value gives one, and it
-passes through to the output, where :func:`.kernel.settled` finds it.
+above 0, and the row MOMENT has the value. (0, 0) says that no rule fired; the caller puts the value
+for that in its place. Nothing here makes a NaN of its own: strengths are from 0 to 1, and divisors
+are above 0. A formula or an inverse that has no value gives one, and it passes through to the
+output, where :func:`.kernel.settled` finds it.
 
-What a function at a point reads:
+Arguments of a function at a point:
 
 ==========  ==================================================================================
 ``k``       the block as whole numbers: which groups may fire here (from ``k[GROUPS]`` on), and
@@ -23,7 +23,7 @@ What a function at a point reads:
 ``f``       its floats: positions and weights of samples, degrees, pieces of sets; positions in
             the unit of the output, degrees without one
 ``room``    the rows: that of a group has the strength with which its set is asserted, at ``point``
-``heap``    room for the numbers of one point; each section says what it keeps there
+``heap``    room for the numbers of one point; each section describes its use
 ==========  ==================================================================================
 """
 
@@ -53,21 +53,17 @@ from fuzzyarm.inference.block import (
 )
 from fuzzyarm.inference.centroid_kernel import cut_in, sample
 from fuzzyarm.inference.envelope import insert
-from fuzzyarm.inference.firing_strengths import (
-    join,
-)
-from fuzzyarm.inference.kernel import (
-    made_of,
-)
+from fuzzyarm.inference.firing_strengths import join
+from fuzzyarm.inference.kernel import made_of
 from fuzzyarm.inference.maxima import SAME
 from fuzzyarm.inference.quadrature import SAME_HALF
 from fuzzyarm.inference.type_reduction_kernel import value_of
 from fuzzyarm.symbolic.kernels import call, kernel
 
 HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID, NEAREST = range(8)
-"""What is wanted of a set: the last float of the output. A bisector of samples at ``midpoints``
-is the sample nearest to half of the area; a value may be made of several positions where a set is
-greatest; the centroid is that of joined samples; the nearest is that to 0."""
+"""The requested position of a set: the last float of the output. A bisector of samples at
+``midpoints`` is the sample nearest to half of the area; a value may be made of several positions
+where a set is greatest; the centroid is that of joined samples; the nearest is that to 0."""
 
 BISECTIONS = 80
 """Halvings of a curved piece to where it passes a level."""
@@ -166,7 +162,7 @@ def nearest_half_of(positions: Any, heights: Any, count: int) -> tuple[float, fl
 def greatest_of(
     k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int
 ) -> tuple[float, float]:
-    """Return the greatest height, and what is made of the positions that have it."""
+    """Return the greatest height, and the value made of its positions."""
     greatest = 0.0
     for i in range(count):
         greatest = max(greatest, heights[i])
@@ -194,7 +190,7 @@ def greatest_of(
 def value_of_top(
     k: Any, f: Any, heap: Any, first: float, last: float, mean: float, nearest: float
 ) -> float:
-    """Return one of the positions where a set is greatest, or what is made of them."""
+    """Return one of the positions where a set is greatest, or a value made of them."""
     way = way_of(k, f)
     value = mean
     if way == FIRST:
@@ -210,7 +206,7 @@ def value_of_top(
 
 @kernel
 def way_of(k: Any, f: Any) -> int:
-    """Return what is asked for of an output."""
+    """Return the requested position of an output."""
     return int(f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1])
 
 
@@ -219,7 +215,7 @@ def way_of(k: Any, f: Any) -> int:
 
 @kernel
 def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return what a choice among the samples of one point gives."""
+    """Return the choice among the samples of one point."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
@@ -258,7 +254,7 @@ def position_of_joined(k: Any, f: Any, room: Any, heap: Any, point: int) -> tupl
 def along_joined(
     k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float
 ) -> tuple[float, float, float]:
-    """Go along the joined union until its area is what is wanted; return area, moment, position.
+    """Go along the joined union until its area is `wanted`; return area, moment, position.
 
     The moment is about 0 and six times too large.
     """
@@ -370,7 +366,7 @@ HEAP = 2
 
 @kernel
 def position_of_maxima(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the greatest height of one point, and what is made of the positions of it."""
+    """Return the greatest height of one point, and the value made of its positions."""
     greatest = 0.0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -493,10 +489,10 @@ def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, leve
 
 @kernel
 def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
-    """Return what is made of sorted intervals; the mean is that of points if all are points."""
+    """Return the value made of sorted intervals; the mean is that of points if all are points."""
     first: float = heap[HEAP]
     last: float = heap[HEAP + 1]
-    # Sets may share a stretch, which counts once: of each interval only what lies beyond `reach`,
+    # Sets may share a stretch, which counts once: of each interval only the part beyond `reach`,
     # where the intervals before it end.
     reach = first
     length = moment = 0.0
@@ -572,7 +568,7 @@ def position_of_values(block: Any) -> None:
 
 @kernel
 def choice_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return what a choice among the values of a point gives: strength and value by turns."""
+    """Return the choice among the values of a point: strength and value by turns."""
     groups = k[k[GROUPS]]
     values, heights = heap[:groups], heap[groups : 2 * groups]
     count = 0

@@ -1,4 +1,4 @@
-"""What has been made of a rule base: plan, point engine, layout …, each once, at its first use."""
+"""Products of a rule base, each made once, at its first use: plan, layout, kernel at a point."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _Part = TypeVar("_Part")
 _Make = Callable[[RuleBase], _Part]
 
 MOST = 32
-"""Rule bases of which everything is remembered."""
+"""Rule bases whose products are remembered."""
 
 
 class Prepared:
-    """One rule base, and all that has been made of it.
+    """One rule base and its products.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Prepared:
         self._parts: dict[_Make[Any], Any] = {}
 
     def part(self, make: _Make[_Part]) -> _Part:
-        """Return what a function makes of the rule base, made at the first time."""
+        """Return the result of a function of the rule base, computed at its first use."""
         if make not in self._parts:
             self._parts[make] = make(self.rulebase)
         part: _Part = self._parts[make]
@@ -43,7 +43,7 @@ known: dict[int, Prepared] = {}
 
 at_point: dict[int, Callable[[Any], dict[str, float] | None]] = {}
 """Kernels at a point, of those in `known` that were asked for one: from inputs by name to outputs
-by name; None for what they leave to others."""
+by name; None for points without an ordinary value."""
 
 _turn = lock()
 
@@ -58,7 +58,7 @@ emptied_with_kinds(_empty)
 
 
 def prepared(rulebase: RuleBase) -> Prepared:
-    """Return what has been made of a rule base; the last few are remembered."""
+    """Return the products of a rule base; those of the last few are remembered."""
     earlier = known.get(id(rulebase))
     if earlier is not None and earlier.rulebase is rulebase:
         return earlier
@@ -80,7 +80,7 @@ def remember_point(rulebase: RuleBase, named: Callable[[Any], dict[str, float] |
 
 
 def remembered(make: _Make[_Part]) -> _Make[_Part]:
-    """Let what a function makes of a rule base belong to that; a decorator."""
+    """Remember the result of a function with its rule base; a decorator."""
 
     @wraps(make)
     def remembering(rulebase: RuleBase) -> _Part:

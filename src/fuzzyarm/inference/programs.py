@@ -1,4 +1,4 @@
-"""The kernels that take a block: what evaluates one, and what a layout names in it by number.
+"""The kernels that take a block: its evaluators, and the defuzzifiers, which a layout numbers.
 
 A defuzzifier of the kernel is a record, :class:`DefuzzifierProgram`: what it does at one point,
 what it reads, what it gives. What a record of :mod:`fuzzyarm.symbolic.defuzzifiers` takes of an
@@ -28,10 +28,10 @@ class DefuzzifierProgram(NamedTuple):
     where : str
         Module and name of its function, which is loaded where it is wanted.
     reads : str
-        What a layout writes down for it: a method of
+        Its tables in a layout: a method of
         :class:`fuzzyarm.inference.output_layout.OutputWriter`.
     centre : str
-        About what it gives a moment: ``zero``, the ``middle`` of the range, or what it reads
+        Centre of its moment: ``zero``, the ``middle`` of the range, or one of its tables
         (``own``). Empty: it gives the value itself.
     whole : bool
         Whether the function takes a block, and goes through its points by itself.
@@ -44,7 +44,7 @@ class DefuzzifierProgram(NamedTuple):
 
     @property
     def function(self) -> Callable[..., Any]:
-        """What it does at one point: numbers of the layout and of the room in, value out.
+        """Its function at one point: numbers of the layout and of the room in, value out.
 
         A total and a value, or a moment. Exported programs are printed from it.
         """
@@ -54,7 +54,7 @@ class DefuzzifierProgram(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What other languages call it."""
+        """Its name in other languages."""
         return self.where.rpartition(".")[2]
 
     @property
@@ -109,7 +109,7 @@ PANELS = {
     "area": DefuzzifierProgram("quadrature_kernel.bisector_of_point", "panels"),
     "ends": DefuzzifierProgram("type_reduction_kernel.ends_of_integrals", "panels"),
 }
-"""By what is taken of an aggregate."""
+"""By the view of an aggregate (`of` of its record)."""
 
 BOTH_SAMPLES = DefuzzifierProgram(
     "type_reduction_kernel.nie_tan_samples", "samples", "zero", whole=True
@@ -123,12 +123,12 @@ PROGRAMS = (
     SAMPLES["gravity"], SAMPLES["top"], SAMPLES["ends"], JOINED, LEVELS, *LINES.values(),
     *PANELS.values(), BOTH_SAMPLES, BOTH_LINES, BOTH_PANELS,
 )  # fmt: skip
-"""What a layout calls by its number."""
+"""Programs that a layout calls by number."""
 
 IN_ROWS = (CHOICE_OF_ROWS, ENDS_OF_ROWS)
 
 EVALUATORS: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep)
-"""What evaluates a block, see :mod:`fuzzyarm.inference.kernel`."""
+"""Evaluators of a block, see :mod:`fuzzyarm.inference.kernel`."""
 
 
 # ── which one an output has ──────────────────────────────────────────────────────────
@@ -149,7 +149,7 @@ def program_of(plan: OutputPlan, *, loose: bool = False) -> DefuzzifierProgram:
 
 
 def _of_areas(plan: OutputPlan, *, loose: bool) -> DefuzzifierProgram:
-    """Return what makes a number of the area of a set."""
+    """Return the program for the area of a set."""
     record = plan.record
     if not plan.members:
         return CLOSED
@@ -163,7 +163,7 @@ def _of_areas(plan: OutputPlan, *, loose: bool) -> DefuzzifierProgram:
 
 
 def _of_numbers(plan: OutputPlan) -> DefuzzifierProgram:
-    """Return what makes a number of values, or of sets that stand for one each."""
+    """Return the program for values, or for sets that represent one each."""
     record = plan.record
     if record.of == "ends":
         return ENDS_OF_PAIRS
@@ -174,7 +174,7 @@ def _of_numbers(plan: OutputPlan) -> DefuzzifierProgram:
 
 
 def demand_covered(plan: OutputPlan, inputs: Sequence[str], *, plain: bool = False) -> None:
-    """Refuse by name what the kernel does not do of an output; `plain`: the interpreted one."""
+    """Refuse by name an output that the kernel does not cover; `plain`: the interpreted one."""
     output, what = plan.output, f"{plan.record.name} of '{plan.output.name}'"
     if plan.discrete:
         for member in plan.members:

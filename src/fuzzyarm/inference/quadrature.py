@@ -1,4 +1,4 @@
-"""The integral of any aggregate, adaptively: for what has no closed form.
+"""The integral of an aggregate without a closed form, adaptively.
 
 The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Lobatto
 nodes (they include the ends: a bend close to an end would be overlooked otherwise) and is
@@ -25,7 +25,7 @@ DEEPEST = 52
 """Halvings of a panel; a jump is then narrower than the spacing of floats."""
 
 MOST_PANELS = 20_000
-"""Of one point: no set is worth more; what is left is taken as it is."""
+"""Of one point: no set is worth more; the rest is taken as it is."""
 
 SAME_HALF = 1e-12
 """Shares of an area closer to one half than this are one half."""

@@ -137,7 +137,7 @@ def integrate(
         heap[edges + edge] = f[k[detail + EDGES_AT] + edge]
     for member in range(members):
         strengths[member] = 0.0
-    # Edges are what a set or its cut is not smooth at: missing one costs fifty halvings.
+    # At an edge a set or its cut is not smooth: missing one costs fifty halvings.
     strongest = 0.0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -178,7 +178,7 @@ def _clip_range(heap: Any, edges: int, count: int, start: float, end: float) -> 
     """Keep the edges inside a stretch, and its ends; return how many there are."""
     if not start < end:
         return 0
-    # In place: what is kept never lies behind what is read.
+    # In place: the writing index never passes the reading one.
     heap[edges] = start
     kept = 1
     for edge in range(edges, edges + count):

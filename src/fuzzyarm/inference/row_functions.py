@@ -14,11 +14,7 @@ from typing import Any, NamedTuple, Protocol, cast
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.programs import DefuzzifierProgram
 from fuzzyarm.inference.sets import degree_formula
-from fuzzyarm.language.model.rulebase import (
-    POSITION,
-    Hedge,
-    Shape,
-)
+from fuzzyarm.language.model.rulebase import POSITION, Hedge, Shape
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.evaluation import evaluate
@@ -167,7 +163,7 @@ def weighed_strength(weight: float, threshold: float) -> Node:
 def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:
     """Return an expression of ``x`` as a function of a row and of some numbers.
 
-    The symbols are not read as words of Python: what a user calls a variable may be any text.
+    The symbols are not read as words of Python: the name of a variable may be any text.
     """
     plain = tuple(f"n{index}" for index in range(len(numbers)))
     replacements = dict(zip(numbers, map(symbol, plain), strict=True))
@@ -226,11 +222,15 @@ def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
 class Addresses(Protocol):
     """Who gives the functions that a program calls their numbers."""
 
+    @property
+    def compiled(self) -> bool:
+        """Whether it is run as machine code here."""
+
     def norm(self, norm: Norm, sort: str) -> int:
         """Return the number of a norm beside the kernel's own; `sort` is ``T`` or ``S``."""
 
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
-        """Return the number of a term's row function, and what it takes."""
+        """Return the number of a term's row function, and its own numbers."""
 
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """Return the number of a row function of hedges."""
@@ -243,7 +243,7 @@ class Addresses(Protocol):
 
 
 def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
-    """Return what a program calls a norm: a number of the kernel's own, or another."""
+    """Return the number of a norm in a program: one of the kernel's own, or another."""
     registered = _OWN_NORMS.get((sort, norm.name))
     return addresses.norm(norm, sort) if registered is None else registered
 

@@ -158,7 +158,7 @@ def profile(
     Parameters
     ----------
     shape, hedges
-        What the set is made of; the last hedge acts first.
+        Term and hedges; the last hedge acts first.
     membership : callable
         The set, hedges included.
     low, high : float

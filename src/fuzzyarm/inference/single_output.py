@@ -34,12 +34,12 @@ class OutputLayout(NamedTuple):
     Attributes
     ----------
     whole, floats : list
-        What the defuzzifier reads. Behind the head and the output stand the groups, which list no
+        Numbers of the defuzzifier. Behind the head and the output stand the groups, which list no
         rules.
     program : DefuzzifierProgram
         The defuzzifier.
     groups : tuple of int
-        Indices of what asserts each group: members where strengths are folded, else contributions.
+        Indices by group: of its members where strengths are folded, else of its contributions.
     rows : int
         Rows of the room that the caller fills: a strength for each group, or as it says.
     samples : int
@@ -55,7 +55,7 @@ class OutputLayout(NamedTuple):
 
 
 def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
-    """Write down what one output reads, for a caller that finds the strengths itself.
+    """Write down the tables of one output, for a caller that finds the strengths itself.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class _OneOutput:
         )
 
     def _of_numbers(self) -> OutputLayout:
-        """Write what a choice among numbers reads, or the ends of an average: none is in it."""
+        """Write the head of a choice among numbers, or of the ends of an average."""
         if self.output.record.of == "ends":
             program, count = ENDS_OF_ROWS, len(self.output.pairs)
             rows = heap = type_reduction_kernel.PAIR_ROWS * count

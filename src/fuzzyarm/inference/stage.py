@@ -59,7 +59,7 @@ class Stage:
     compiled : bool
         Whether machine code reads them.
     reason : str
-        What that does not cover, so that the source of the kernel is interpreted.
+        The part that it does not cover, so that the source of the kernel is interpreted.
     found : callable
         Of the interpreted kernel: from the inputs in their order to the outputs, NaN where one has
         no value; None for inputs that are no numbers.
@@ -142,7 +142,7 @@ class Stage:
         return self._without[missing]
 
     def conclude(self, values: dict[str, float], held: Mapping[str, float]) -> set[str]:
-        """Add the outputs to what there is at a point; return those without a value of their own.
+        """Add the outputs to the values of a point; return those without a value of their own.
 
         Raises
         ------
@@ -217,7 +217,7 @@ def runner(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
 
 
 class _Judge:
-    """Says what an output is at a point where the kernel writes NaN: a block of its own."""
+    """The output at a point where the kernel writes NaN: a block of its own."""
 
     def __init__(self, stage: Stage) -> None:
         self._block = make_block(stage.layout, 1)

@@ -109,7 +109,7 @@ def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int
     ]
     return replace(
         rulebase,
-        # What was stated for silence may lie outside the range on purpose.
+        # A stated value for silence may lie outside the range on purpose.
         inputs=(*rulebase.inputs, *(
             Input(each.name, each.low, each.high, each.terms, outside="extend") for each in more
         )),
@@ -164,7 +164,7 @@ def _over_more(output: Output, more: int) -> Output:
 
 
 def without_values(stage: RuleBase, missing: tuple[str, ...]) -> RuleBase:
-    """Return a stage where earlier outputs have no value: what rules say of them does not hold.
+    """Return a stage where earlier outputs have no value: propositions about them do not hold.
 
     Their propositions are 0, hedged or not, and a formula of them is NaN.
     """

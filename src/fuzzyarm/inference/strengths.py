@@ -28,7 +28,7 @@ Strength = Any
 
 
 class _Algebra(NamedTuple):
-    """What the walk calculates with."""
+    """The arithmetic of the walk."""
 
     degree: Callable[[Shape, Strength, tuple[Hedge, ...]], Strength]
     norm: Callable[[Norm], Callable[[Strength, Strength], Strength]]

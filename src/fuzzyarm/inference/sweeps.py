@@ -74,7 +74,7 @@ def parts_of(shape: tuple[int, ...], most: int) -> Iterator[Part]:
 
 
 def _working_shape(arrays: dict[str, Array], shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Bring arrays to the number of axes of what they broadcast to, to one if that is enough."""
+    """Bring arrays to the number of axes of their broadcast shape, to one if that is enough."""
     size = math.prod(shape)
     # All are one number, or one for each point: a single axis will do. Else the axes stay, so that
     # an input along one of them keeps its own small shape.
@@ -223,7 +223,7 @@ class Sweeps:
         results: Array,
         held: Mapping[str, float],
     ) -> None:
-        """Fill in what holds where an output has no value, or raise an error."""
+        """Fill in the values where an output has none, or raise an error."""
         inputs = self._rulebase.inputs
         valid = {v.name: array_in_range(v, arrays[v.name]) for v in inputs}
         endless = any(np.isinf(array).any() for array in valid.values())

@@ -106,12 +106,12 @@ class RuleTrace:
 
     @property
     def place(self) -> str:
-        """What the rule is called: where it stands."""
+        """Name of the rule: its position in the text."""
         return place_of(self.number, self.line, self.column)
 
 
 def place_of(number: int, line: int, column: int) -> str:
-    """Return what a rule is called: its line and column, or its number where it has no text."""
+    """Return the name of a rule: its line and column, or its number where it has no text."""
     # No rule stands at the first character of a file: one that was made in Python has that place.
     return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
 
@@ -119,7 +119,7 @@ def place_of(number: int, line: int, column: int) -> str:
 @json_properties("* lower? lower_value? lower_curve?")
 @dataclass(frozen=True, slots=True)
 class ConsequentTrace:
-    """What is asserted of one term of an output by all its rules together.
+    """The assertion about one term of an output by all its rules together.
 
     Attributes
     ----------
@@ -290,7 +290,7 @@ def _outputs_read(steps: Plan) -> list[str]:
 
 
 def _fired(output: OutputPlan, strengths: Sequence[float]) -> Fired:
-    """Return member and strength of what rules assert of an output, in the order of the rules."""
+    """Return member and strength of the assertions about an output, in the order of the rules."""
     return [
         (member, strengths[rule]) for member, rule in output.contributions if strengths[rule] > 0.0
     ]
@@ -298,7 +298,7 @@ def _fired(output: OutputPlan, strengths: Sequence[float]) -> Fired:
 
 @dataclass(frozen=True, slots=True)
 class NearRule:
-    """A rule that does not fire, and what it would need.
+    """A rule that does not fire, and its missing conditions.
 
     Attributes
     ----------
@@ -324,7 +324,7 @@ class Silence:
 def explain_silence(
     rulebase: RuleBase, inputs: Mapping[str, float], output: str, *, most: int = 3
 ) -> Silence:
-    """Show what there is where no rule fires.
+    """Explain a point where no rule fires.
 
     Parameters
     ----------
@@ -404,7 +404,7 @@ def _rule_trace(number: int, block: RuleBlock, rule: Rule, strength: float) -> R
 
 
 class _Asserted(NamedTuple):
-    """An output, and what rules assert of it at a point."""
+    """An output and the assertions about it at a point."""
 
     plan: OutputPlan
     rulebase: RuleBase

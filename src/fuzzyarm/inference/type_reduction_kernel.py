@@ -12,7 +12,7 @@ has the same bounds over arrays of panels, for proofs). The left end is the mirr
 samples, and over the values of Takagi and Sugeno, integrals are sums and the steps are finite.
 Nie and Tan take the centroid of (L + U) / 2.
 
-Where L is nothing anywhere, the ends are those of what U covers, to which the ends for a small L
+Where L is 0 everywhere, the ends are those of the support of U, to which the ends for a small L
 go.
 
 The kernel has found the strengths of both readings of the rules; each consequent says whether it is
@@ -54,11 +54,9 @@ from fuzzyarm.inference.block import (
     WORK_ROWS,
     parts_of,
 )
-from fuzzyarm.inference.centroid_kernel import add_samples, envelop, sample
+from fuzzyarm.inference.centroid_kernel import envelop, sample, weighed
 from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
-from fuzzyarm.inference.kernel import (
-    made_of,
-)
+from fuzzyarm.inference.kernel import made_of
 from fuzzyarm.inference.quadrature_kernel import integrate
 from fuzzyarm.symbolic.kernels import kernel
 
@@ -174,7 +172,7 @@ def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[fl
 
 @kernel
 def value_of_pairs(k: Any, f: Any, heap: Any, pairs: int) -> float:
-    """Return what is made of the ends of an average, see :data:`PAIR_ROWS`."""
+    """Return the value made of the ends of an average, see :data:`PAIR_ROWS`."""
     least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
     wanted = wanted_end(k, f)
@@ -195,7 +193,7 @@ def wanted_end(k: Any, f: Any) -> float:
 
 @kernel
 def value_of_ends(k: Any, f: Any, heap: Any, left: float, right: float) -> float:
-    """Return the end that is asked for, or what is made of both: their middle as a rule."""
+    """Return the requested end, or the value made of both: usually their midpoint."""
     end = wanted_end(k, f)
     value = left
     if end > 0.0:
@@ -254,8 +252,21 @@ def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[f
 
 @kernel
 def nie_tan_samples(block: Any) -> None:
-    """Add up the samples of both sets."""
-    add_samples(block, 2)
+    """Add up the samples of both sets, point by point."""
+    k, f, room, total, moment = parts_of(block)
+    samples = k[k[OUTPUT] + DETAIL]
+    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
+    positions = f[numbers : numbers + samples]
+    weights = f[numbers + samples : numbers + 2 * samples]
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
+    for point in range(total.shape[0]):
+        total[point] = moment[point] = 0.0
+        for side in range(2):
+            first, last = sample(k, f, room, point, side, aggregate, cut)
+            area, torque = weighed(aggregate, positions, weights, first, last)
+            total[point] += area
+            moment[point] += torque
 
 
 # ── envelopes of straight sets ───────────────────────────────────────────────────────
@@ -356,7 +367,7 @@ def reach_integral(
     c = start
     for _ in range(STEPS):
         area = torque = 0.0
-        for i in range(2):  # what is on the left of c, then what is on its right
+        for i in range(2):  # left of c, then right of it
             side = 1 - i if sign > 0.0 else i
             begin, end = c, infinity
             if i == 0:
@@ -372,7 +383,7 @@ def reach_integral(
 
 @kernel
 def last_integrated(k: Any, f: Any, room: Any, heap: Any, point: int, sign: float) -> float:
-    """Return the end of what the upper set covers: of the first or last panel with an area."""
+    """Return the end of the support of the upper set: of the first or last panel with an area."""
     infinity = math.inf
     # Up to the panel where the area is more than nothing; for the right end up to the panel
     # where it is all there is, and once more from there on, as long as something is left.

@@ -14,7 +14,8 @@ Add its record here, by the calls that users have (``docs/reference/kinds.md``),
 source in :mod:`fuzzyarm.base.sources`. Scalars, arrays, machine code, every exported language,
 derivatives, bounds, completion, hover and the tables of ``docs/reference/language.md`` follow;
 ``pytest --update-golden`` renews the pages and the editor's grammar.
-``tests/expression/test_readings.py`` and ``tests/kinds`` include it automatically. Its name in
+``tests/expression/test_readings.py`` and ``tests/kinds`` include it automatically; some values,
+worked out by hand from the source, go into ``tests/expression/test_definitions.py``. Its name in
 another program is a line of that program's dialect.
 """
 

@@ -59,6 +59,8 @@ def every_kind() -> KindNames:
 class Functions:
     """Numbers the functions that a layout calls, and describes them for the engine."""
 
+    compiled = False
+
     def __init__(self) -> None:
         self.described: list[dict[str, Any]] = []
         self._numbers: dict[str, int] = {}

@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyarm.control.controllers.law import (
-    Gain,
-    Law,
-    model_gains,
-    pack_gains,
-    zeros,
-)
+from fuzzyarm.control.controllers.law import Gain, Law, model_gains, pack_gains, zeros
 from fuzzyarm.plant.arm import UNLOADED, model_torque
 from fuzzyarm.plant.setting import Moment, Pair, Reference, State, pose_of, stored
 from fuzzyarm.symbolic.kernels import kernel

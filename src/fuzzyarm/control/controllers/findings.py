@@ -40,13 +40,7 @@ from fuzzyarm.language.model.controller import (
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.language.model.units import (
-    dimension,
-    product,
-    read_unit,
-    unit_text,
-    unlike,
-)
+from fuzzyarm.language.model.units import dimension, product, read_unit, unit_text, unlike
 from fuzzyarm.language.statements import Broken
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
@@ -160,9 +154,9 @@ CHANGING = {"zoom", "learn", "drive", "axis", "period", "set-point", "partner", 
 def sound_part(
     model: ControllerModel, document: Document, findings: Iterable[Diagnostic]
 ) -> ControllerModel | None:
-    """Return a controller without the lines that have mistakes, and what depends on these.
+    """Return a controller without the lines that have mistakes and those that depend on them.
 
-    What is found in the rest does not follow from a mistake. None where one is in the head or in
+    Findings in the rest do not follow from a mistake. None where one is in the head or in
     no line: then all may follow from it.
     """
     # A line that is of no statement defines nothing that others read.
@@ -199,7 +193,7 @@ def _untuned(gain: GainModel, wrong: Sequence[Span]) -> GainModel:
 
 
 def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Line, ...]:
-    """Return the lines that read only what is known; what others change is not."""
+    """Return the lines that read known signals only; those that others change are unknown."""
     known, ports = set(known), set[str]()
     lines: list[Line] = []
     for line in axes.lines:
@@ -363,7 +357,7 @@ def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> I
 
 
 def _what_stays(axes: Axes) -> str:
-    """Return what an axis leaves as it was in a skipped period: its drives, and what remembers."""
+    """Return what a skipped period leaves unchanged: the drives of an axis, and its memory."""
     memory = [
         f"{line.source.kind} {line.names[0]}"
         for line in axes.lines

@@ -33,8 +33,6 @@ from fuzzyarm.symbolic.evaluation import evaluate
 from fuzzyarm.symbolic.nodes import Node
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Floats", "ReferenceRun"]
-
 
 @dataclass
 class _LearningTable:

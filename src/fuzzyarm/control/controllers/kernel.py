@@ -59,7 +59,7 @@ INSTRUCTION = 6
     PARTNER,  # list
 ) = range(17)
 
-# What the limits of a drive remember, from their state on.
+# Memory of the limits of a drive, from their state on.
 # BEFORE: its value in the period before, for a period that turns out to be skipped.
 LOW, HIGH, OVER, OVER_BEFORE = range(4)  # of LIMIT; OVER: limited minus wanted value
 LAST_DRIVE, STEEPEST, DRIVE_BEFORE = range(3)  # of SLEW
@@ -78,23 +78,23 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
 }
 """State cells by instruction; all others after the first are constants."""
 
-# The list of UPDATE: its address, how many numbers it fills in (what it gives, then what it
-# remembers), whether these are rounded as stored values are, the end of its frame, how many
+# The list of UPDATE: its address, how many numbers it fills in (its value, then its
+# state), whether these are rounded as stored values are, the end of its frame, how many
 # arguments beside x and the period are fetched, then for each of these where it goes and where it
 # comes from; the others are numbers that stand in the frame (fuzzyarm.control.controllers.updates).
-# Behind the frame is what it remembered before.
+# Behind the frame is its memory of before.
 UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
 # LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
 # and its length, rate, bound, grid of the table, grid and values of the performance table,
 # whether both grids are alike, the indices of the inputs in the period before (in the one grid,
-# then in the other), what a lesson has replaced, then the inputs.
+# then in the other), the value that a lesson has replaced, then the inputs.
 BY, INSIDE, WAIT, ZOOMED = range(4)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE = range(1, 10)
 INDICES, JUDGE_INDICES, REPLACED, LEARN_INPUTS = range(10, 14)
 
-# What a lesson has replaced: the cell that it corrected (-1: none) and its value, the index of the
+# Replaced by a lesson: the cell that it corrected (-1: none) and its value, the index of the
 # ring and the entry there.
 CORRECTED, VALUE_BEFORE, HEAD_BEFORE, ENTRY_BEFORE = range(4)
 
@@ -110,7 +110,7 @@ ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 # and how many drives there are, these cells, of each drive its cell and that of its last value, and
 # for each axis a guard: where its instructions begin and end, the cell that counts the skipped
 # periods, how many cells it reads and how many drives it has, the cells that it reads, and of each
-# drive its cell and that of what it is in a skipped period. After the last guard stands a 0.
+# drive its cell and that of its value in a skipped period. After the last guard stands a 0.
 WITH_GUARDS, SETTLE, COUNT_ALL, COUNT_DRIVES, ALL_READ = range(5)
 GUARD_BEGIN, GUARD_END, SKIPPED, COUNT_READ, COUNT_SENT, GUARDED = range(6)
 
@@ -136,7 +136,7 @@ def step(k: Any, s: Any) -> None:
 @kernel
 def step_on(told: Any, k: Any, s: Any) -> None:
     """Run a controller for one period on an observation."""
-    # Added up on the way, with what no axis reads: the guards tell the difference.
+    # Added up on the way, unread values included: the guards tell the difference.
     total = 0.0
     for i in range(told.shape[0]):
         s[i] = told[i]
@@ -209,7 +209,7 @@ def settle_one(k: Any, s: Any, guard: int) -> None:
 
 @kernel
 def skip(k: Any, s: Any, guard: int) -> None:
-    """Count a skipped period of an axis, and send what is sent instead."""
+    """Count a skipped period of an axis, and send the values for it."""
     sends = guard + GUARDED + k[guard + COUNT_READ]
     for i in range(sends, sends + 2 * k[guard + COUNT_SENT], 2):
         s[k[i]] = s[k[i + 1]]
@@ -218,38 +218,38 @@ def skip(k: Any, s: Any, guard: int) -> None:
 
 @kernel
 def can_last(k: Any, s: Any, at: int) -> bool:
-    """Whether the signal that an instruction stores is a number, and what it remembers finite."""
-    what, a, state = k[at], k[at + 2], k[at + 3]
+    """Whether the signal that an instruction stores is a number, and its memory finite."""
+    operation, a, state = k[at], k[at + 2], k[at + 3]
     total = 0.0
-    if what == UPDATE:
+    if operation == UPDATE:
         for i in range(state + 1, state + k[a + FILLED]):
             total += s[i] - s[i]
-    elif what == LIMIT and k[at + 4] != 0:
+    elif operation == LIMIT and k[at + 4] != 0:
         total = s[state + OVER] - s[state + OVER]
-    elif what == SLEW:
+    elif operation == SLEW:
         total = s[state + LAST_DRIVE] - s[state + LAST_DRIVE]
     return total == 0.0 and not (k[at + 5] != 0 and math.isnan(s[k[at + 1]]))
 
 
 @kernel
 def take_back(k: Any, s: Any, at: int) -> None:
-    """Bring what an instruction remembers back to the period before."""
-    what, a, state = k[at], k[at + 2], k[at + 3]
-    if what == UPDATE:
+    """Restore the memory of an instruction to the period before."""
+    operation, a, state = k[at], k[at + 2], k[at + 3]
+    if operation == UPDATE:
         before = k[a + FRAME_END] - 1 - state
         for i in range(state + 1, state + k[a + FILLED]):
             s[i] = s[i + before]
-    elif what == LIMIT:
+    elif operation == LIMIT:
         s[state + OVER] = s[state + OVER_BEFORE]
-    elif what == SLEW:
+    elif operation == SLEW:
         s[state + LAST_DRIVE] = s[state + DRIVE_BEFORE]
-    elif what == INFER:
+    elif operation == INFER:
         results = k[a + COUNT_RESULTS]
         first = a + INFER_CELLS + k[a + COUNT_INPUTS]
         for i in range(first, first + results):
             if k[i + results] == 1:
                 s[k[i]] = s[k[i] + 1]
-    elif what == LEARN:
+    elif operation == LEARN:
         unlearn(k, s, a, int(s[k[at + 1]]))
 
 
@@ -270,7 +270,7 @@ def unlearn(k: Any, s: Any, at: int, cell: int) -> None:
 def run(k: Any, s: Any, begin: int, end: int) -> float:
     """Carry out the instructions from one index of the code to another.
 
-    Returns 0, or NaN where a value or what remembers was an infinity or not a number; at times
+    Returns 0, or NaN where a value or a memory was an infinity or not a number; at times
     after an overflow of their sum alone.
     """
     total = 0.0
@@ -278,17 +278,17 @@ def run(k: Any, s: Any, begin: int, end: int) -> float:
     before = -1
     single = s[SINGLE] != 0.0
     for at in range(begin, end, INSTRUCTION):
-        what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
+        operation, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
         # Arithmetic has the first codes: a value of cells. Everything else may access lists and
         # state.
-        if what <= SUBTRACT_MULTIPLY:
-            # What the last instruction has found is at hand; its cell is not yet written.
+        if operation <= SUBTRACT_MULTIPLY:
+            # The value of the last instruction is at hand; its cell is not yet written.
             if a != before:
                 value = s[a]
-            value = combined(what, value, s[b], s[c])
+            value = combined(operation, value, s[b], s[c])
         else:
-            value = consulted(k, s, what, a, b, c, single)
-            if what == LIMIT and c != 0:
+            value = consulted(k, s, operation, a, b, c, single)
+            if operation == LIMIT and c != 0:
                 total += s[b + OVER]
         if k[at + 5] != 0:
             value = stored(value, single)
@@ -308,47 +308,47 @@ def lacks_number(k: Any, s: Any, first: int, count: int) -> bool:
 
 
 @kernel
-def combined(what: int, a: float, b: float, c: float) -> float:
+def combined(operation: int, a: float, b: float, c: float) -> float:
     """Return the result of an arithmetic instruction."""
     value = a
-    if what == SUBTRACT_MULTIPLY:
+    if operation == SUBTRACT_MULTIPLY:
         value = (a - b) * c
-    elif what == MULTIPLY:
+    elif operation == MULTIPLY:
         value = a * b
-    elif what == MULTIPLY_DIVIDE:
+    elif operation == MULTIPLY_DIVIDE:
         value = a * b / c
-    elif what == MULTIPLY_BOTH:
+    elif operation == MULTIPLY_BOTH:
         value = a * b * c
-    elif what == ADD:
+    elif operation == ADD:
         value = a + b
-    elif what == SUBTRACT:
+    elif operation == SUBTRACT:
         value = a - b
-    elif what == DIVIDE:
+    elif operation == DIVIDE:
         value = a / b
     return value
 
 
 @kernel
-def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -> float:
+def consulted(k: Any, s: Any, operation: int, a: int, b: int, c: int, single: bool) -> float:
     """Return the value of a one-cell instruction, else 0."""
     value = 0.0
-    if what == UPDATE:
+    if operation == UPDATE:
         value = updated(k, s, a, b, c, single)
-    elif what == LIMIT:
+    elif operation == LIMIT:
         value = limited(s, s[a], b)
-    elif what == SLEW:
+    elif operation == SLEW:
         value = slewed(s, s[a], b)
-    elif what == LOOK_UP:
+    elif operation == LOOK_UP:
         value = looked_up(k, s, a, b)
-    elif what == LOOK_UP_CELL:
+    elif operation == LOOK_UP_CELL:
         value = s[b + int(s[a])]
-    elif what == LEARN:
+    elif operation == LEARN:
         value = float(learn(k, s, a, single))
-    elif what == INFER:
+    elif operation == INFER:
         infer(k, s, a, b)
-    elif what == ZOOM:
+    elif operation == ZOOM:
         zoom(k, s, a, b)
-    elif what == PARTNER:
+    elif operation == PARTNER:
         call(
             k[a + ADDRESS],
             s[0 : s.shape[0]],
@@ -364,7 +364,7 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -
 
 @kernel
 def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
-    """Return what a source gives in this period; what it remembers stands behind that."""
+    """Return a source's value in this period, which its new state follows."""
     filled, end = frame + k[at + FILLED], k[at + FRAME_END]
     for i in range(frame + 1, filled):
         s[i - frame - 1 + end] = s[i]

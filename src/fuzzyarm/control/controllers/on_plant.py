@@ -37,13 +37,7 @@ from fuzzyarm.control.controllers.program import (
     write_down,
 )
 from fuzzyarm.control.controllers.text import ControllerText, gains_of, ports_of
-from fuzzyarm.language.model.controller import (
-    Axes,
-    ControllerModel,
-    Drive,
-    Product,
-    SignalLine,
-)
+from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Product, SignalLine
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, Arm
 from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of

@@ -45,18 +45,6 @@ from fuzzyarm.symbolic.nodes import Node, constant, substituted, symbol
 from fuzzyarm.symbolic.sources import VALUE, SourceKind, unseen
 from fuzzyarm.table import LookupTable
 
-__all__ = [
-    "Algebra",
-    "Call",
-    "ControlPeriod",
-    "Found",
-    "Guard",
-    "Lesson",
-    "PortValue",
-    "Remembered",
-    "Update",
-]
-
 T = TypeVar("T")
 
 
@@ -118,7 +106,7 @@ class Guard(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Found(Generic[T]):
-    """What an axis has found in one period.
+    """The results of an axis in one period.
 
     The period is skipped, as one whose values are not numbers, where a signal or a drive is not a
     number or a memory not finite.

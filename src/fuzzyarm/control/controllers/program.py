@@ -102,7 +102,7 @@ class Guard:
     reads : tuple of int
         Cells of references and measured values; where one is not a number, the axis is skipped.
     drives : dict
-        Of the cell of each drive, that of what it is sent in a skipped period: of its last value,
+        By the cell of each drive, that of its value in a skipped period: of its last value,
         or of a number.
     """
 
@@ -176,14 +176,14 @@ class ControllerCode:
         code = self.code
         cells: set[int] = set()
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
-            what, state = code[at], code[at + 3]
+            operation, state = code[at], code[at + 3]
             # Operand b: the state of limits and slews, the frame of an update.
-            cells |= {state + cell.offset for cell in to.REMEMBERED.get(what, ())}
-            if what == to.UPDATE:
+            cells |= {state + cell.offset for cell in to.REMEMBERED.get(operation, ())}
+            if operation == to.UPDATE:
                 cells |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
-            elif what == to.INFER:
+            elif operation == to.INFER:
                 cells |= self._held(code[at + 2])
-            elif what == to.PARTNER:
+            elif operation == to.PARTNER:
                 at_list = code[at + 2]
                 cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
         for guard in self.guards.values():
@@ -402,16 +402,16 @@ class _Writer:
             self.numbers[value] = self._cell(value)
         return self.numbers[value]
 
-    def _do(self, what: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
+    def _do(self, operation: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
         """Add an instruction, or make it one with that before it; return the cell it fills."""
         before = self.code[-to.INSTRUCTION :]
         # Two instructions through the scratch cell fuse into one, unless the first rounds its
         # result: fused, that rounding would be lost.
-        both = _FUSED.get((before[0], what)) if before else None
+        both = _FUSED.get((before[0], operation)) if before else None
         if both is not None and into == before[1] == a == self.scratch and not before[5]:
             self.code[-to.INSTRUCTION :] = [both, into, before[2], before[3], b, 0]
         else:
-            self.code += [what, into, a, b, c, 0]
+            self.code += [operation, into, a, b, c, 0]
         return into
 
     def _move(self, into: int, cell: int, *, rounded: bool) -> None:
@@ -490,8 +490,8 @@ class _Writer:
 
     def _factors(self, cell: int, factors: Sequence[Factor]) -> int:
         for factor in factors:
-            what = to.DIVIDE if factor.divides else to.MULTIPLY
-            cell = self._do(what, self.scratch, cell, self._operand(factor.value))
+            operation = to.DIVIDE if factor.divides else to.MULTIPLY
+            cell = self._do(operation, self.scratch, cell, self._operand(factor.value))
         return cell
 
     def _sum(self, products: Sequence[Product]) -> int:
@@ -504,8 +504,8 @@ class _Writer:
                 total = cell if len(products) == 1 else self._copy(cell)
                 continue
             before = self._number(0.0) if total < 0 else total
-            what = to.SUBTRACT if product.negative else to.ADD
-            total = self._do(what, self._cell(0.0), before, cell)
+            operation = to.SUBTRACT if product.negative else to.ADD
+            total = self._do(operation, self._cell(0.0), before, cell)
         return total
 
     def _copy(self, cell: int) -> int:

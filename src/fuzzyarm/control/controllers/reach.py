@@ -38,7 +38,7 @@ from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
 from fuzzyarm.symbolic.sources import Surroundings
 
 FED_BACK, PORT, MADE = 3, 2, 1
-"""What keeps a signal within its universe: the loop (errors and rates, small in a working loop),
+"""Why a signal stays within its universe: the loop (errors and rates, small in a working loop),
 the plant (measured and reference values), or the text alone."""
 
 

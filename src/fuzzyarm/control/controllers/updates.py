@@ -25,8 +25,6 @@ from fuzzyarm.symbolic.printing import PYTHON, setting, statements, variables
 from fuzzyarm.symbolic.programs import program_of
 from fuzzyarm.symbolic.sources import VALUE, SourceKind, Surroundings, unseen
 
-__all__ = ["UPDATE_ARRAYS", "range_of_source", "update_address", "update_function"]
-
 UPDATE_ARRAYS = "ff"
 """Arguments; value and states."""
 

@@ -219,7 +219,7 @@ def deaf() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-# --- What travels ---
+# --- Pickled parts ---
 
 
 class TravelError(FuzzyarmError, TypeError):

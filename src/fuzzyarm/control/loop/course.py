@@ -40,14 +40,7 @@ from fuzzyarm.plant.plant import (
     is_compiled,
     numbers_of,
 )
-from fuzzyarm.plant.setting import (
-    CLOCK,
-    PLAIN,
-    ArmError,
-    Conventions,
-    Pair,
-    RunArithmetic,
-)
+from fuzzyarm.plant.setting import CLOCK, PLAIN, ArmError, Conventions, Pair, RunArithmetic
 from fuzzyarm.symbolic.kernels import has_machine_code
 
 Vector = NDArray[np.float64]
@@ -351,7 +344,7 @@ def range_notes(motion: Motion, site: Site) -> tuple[str, ...]:
     return tuple(notes)
 
 
-# --- What the loop is called with ---
+# --- Arrays of the loop ---
 
 
 def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
@@ -589,7 +582,7 @@ class Course:
                 bounds.append(output.bound)
         return cells, bounds
 
-    # --- What is handed over ---
+    # --- Arguments of the loop ---
 
     def parts(self, seed: int | None = None, loads: Any = None) -> dict[str, Any]:
         """Return the experiment's parts of a :class:`LoopBlock`, by name, for one run.

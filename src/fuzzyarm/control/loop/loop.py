@@ -164,8 +164,8 @@ def run_loop(block: LoopBlock) -> None:
     is integrated over T by its own kernel with all drives held. In each period `i`, in this order:
 
     1. the references of the period, held or on the straight line to the next set point;
-    2. sensors: outputs of time i T with noise, resolution and delay, and what the plant derives of
-       them; exact sensors pass the outputs on;
+    2. sensors: outputs of time i T with noise, resolution and delay, and values that the plant
+       derives of them; exact sensors pass the outputs on;
     3. the laws, their drives added up; state of the laws advances;
     4. actuators: range, then slew, from the drive of the period before, then dead time;
     5. sums of drive changes and of squared errors; in the last period of a set point the sample:

@@ -28,14 +28,7 @@ from fuzzyarm.base.names import near_hint, shortened
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.loop.along import AnyWay, FollowedPlant, equipped, trajectory_motion, way_of
-from fuzzyarm.control.loop.blocks import (
-    Block,
-    Rows,
-    Workers,
-    in_order,
-    packed,
-    unpacked,
-)
+from fuzzyarm.control.loop.blocks import Block, Rows, Workers, in_order, packed, unpacked
 from fuzzyarm.control.loop.course import Course, Motion, Options, Sensor
 from fuzzyarm.control.loop.metrics import METRICS, Metrics
 from fuzzyarm.control.loop.program import LoopProgram, shown_units
@@ -71,7 +64,7 @@ class SweepError(FuzzyarmError, ValueError):
         self.name = name
 
 
-# --- What came of many runs ---
+# --- Results of many runs ---
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)

@@ -1,8 +1,8 @@
 """Metrics of a run: accuracy, speed, chatter, effort.
 
-To add a metric: a field of :class:`Metrics` and its record in ``METRIC_KINDS``.
-``docs/reference/metrics.md`` is generated from it, and a test evaluates the formula. It is then
-also a cost of ``tune``.
+To add a metric: a field of :class:`Metrics`, its record in ``METRIC_KINDS``, and a row of the table
+in ``docs/tutorial/5-a-controller.md``. ``docs/reference/metrics.md`` is generated (``pytest
+--update-golden``), and a test evaluates the formula. It is then also a cost of ``tune``.
 
 One of every control period, which samples cannot give, needs before that
 
@@ -169,7 +169,7 @@ def _step_response(
 
 @dataclass(frozen=True)
 class _Samples:
-    """What a metric may read of one axis, at the samples."""
+    """The data of one axis at the samples."""
 
     time: Vector
     reference: Vector

@@ -40,19 +40,8 @@ from fuzzyarm.control.loop.loop import (
 from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure_of
 from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
-from fuzzyarm.plant.plant import (
-    ADVANCE,
-    CLOCK_SIZE,
-    Address,
-    is_compiled,
-    is_traced,
-)
-from fuzzyarm.plant.setting import (
-    CLOCK,
-    Clock,
-    RunArithmetic,
-    State,
-)
+from fuzzyarm.plant.plant import ADVANCE, CLOCK_SIZE, Address, is_compiled, is_traced
+from fuzzyarm.plant.setting import CLOCK, Clock, RunArithmetic, State
 from fuzzyarm.plant.setting import Reference as ArmReference
 from fuzzyarm.symbolic.kernels import bound_routine, is_built, routine, with_names
 

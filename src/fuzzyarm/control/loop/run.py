@@ -57,16 +57,8 @@ from fuzzyarm.control.loop.program import (
 )
 from fuzzyarm.control.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
 from fuzzyarm.plant.plain_python import require_sound
-from fuzzyarm.plant.plant import (
-    Address,
-    Plant,
-    is_compiled,
-)
-from fuzzyarm.plant.setting import (
-    PLAIN,
-    SET_POINT_PERIOD,
-    Conventions,
-)
+from fuzzyarm.plant.plant import Address, Plant, is_compiled
+from fuzzyarm.plant.setting import PLAIN, SET_POINT_PERIOD, Conventions
 
 # --- Results of a run ---
 

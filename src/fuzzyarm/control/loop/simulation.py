@@ -30,15 +30,7 @@ from fuzzyarm.control.loop.experiments import (
     with_plant,
     with_settings,
 )
-from fuzzyarm.control.loop.many import (
-    Bench,
-    Changes,
-    Experiment,
-    Many,
-    columns_of,
-    many_of,
-    stream,
-)
+from fuzzyarm.control.loop.many import Bench, Changes, Experiment, Many, columns_of, many_of, stream
 from fuzzyarm.control.loop.metrics import METRICS
 from fuzzyarm.control.loop.reference import AnySignal, AnyTime
 from fuzzyarm.control.loop.run import (

@@ -37,8 +37,6 @@ from fuzzyarm.exchange.export.table import WholeNumberScale
 from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, Names, identifier
 from fuzzyarm.version import __version__
 
-__all__ = ["PLACES", "BoardFolder", "board_folder"]
-
 PLACES = ("arduino", "platformio")
 """What folders are made for."""
 

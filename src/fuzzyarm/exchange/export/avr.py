@@ -19,11 +19,6 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.boards import Board, Footprint
 from fuzzyarm.exchange.export.numbers import ExportError
 
-__all__ = [
-    "FLAGS", "SHORTEST", "TOOLS", "Clock", "Measured", "MeasuredStep", "Pace", "clock_of",
-    "demand_pace", "has_compiler", "has_simulator", "measure", "unchecked",
-]  # fmt: skip
-
 FLAGS = ("-Os", "-std=gnu11", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections")
 """Those of the Arduino IDE, without its link-time optimisation."""
 

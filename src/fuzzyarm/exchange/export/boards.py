@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.exchange.export.numbers import ExportError
 
-__all__ = ["BOARDS", "Board", "Footprint", "board_named", "demand_fit"]
-
 
 @dataclass(frozen=True, slots=True)
 class Board:

@@ -48,8 +48,6 @@ from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, C_FUNCTIONS, Names
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import c_language
 
-__all__ = ["SWITCH", "CText", "TestSequence", "controller_c", "routines_c"]
-
 SWITCH = "FUZZYARM_SELF_TEST"
 """The macro that adds a ``main`` to an exported file."""
 

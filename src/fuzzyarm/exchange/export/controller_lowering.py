@@ -26,13 +26,7 @@ from fuzzyarm.exchange.export.steps import (
     first_of,
     limited_value,
 )
-from fuzzyarm.exchange.export.table import (
-    FixedTable,
-    float_table,
-    scaled,
-    shift_of,
-    unscaled,
-)
+from fuzzyarm.exchange.export.table import FixedTable, float_table, scaled, shift_of, unscaled
 from fuzzyarm.exchange.export.typed_program import (
     COUNT,
     INDEX,
@@ -58,8 +52,6 @@ from fuzzyarm.exchange.export.typed_program import (
 from fuzzyarm.symbolic.nodes import Node, apply, constant, replace, symbol, symbols
 from fuzzyarm.symbolic.op import where
 from fuzzyarm.symbolic.printing import Assign, variables
-
-__all__ = ["ALL_NUMBERS", "SETTLED", "controller_program"]
 
 ALL_NUMBERS, SETTLED = "all are numbers", "so is what was found"
 """Remark of the condition under which an axis does its period."""

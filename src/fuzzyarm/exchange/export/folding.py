@@ -7,8 +7,6 @@ import ast
 from fuzzyarm.exchange.export.typed_program import Quotient, Truth, Whole
 from fuzzyarm.symbolic.nodes import Apply, Node, apply
 
-__all__ = ["both", "denied", "plus", "whole_number"]
-
 
 def whole_number(operator: type[ast.operator], a: Node, b: Node) -> Node:
     """Return the result of an operator of Python on two whole numbers."""

@@ -7,15 +7,7 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 
 from fuzzyarm.symbolic.evaluation import specialise
-from fuzzyarm.symbolic.nodes import (
-    Apply,
-    Constant,
-    Node,
-    Symbol,
-    apply,
-    children,
-    postorder,
-)
+from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply, children, postorder
 from fuzzyarm.symbolic.operations import OPERATIONS
 
 _CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}

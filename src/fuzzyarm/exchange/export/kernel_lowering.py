@@ -24,14 +24,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fuzzyarm.exchange.export.kernel_values import (
-    KINDS,
-    ROOM,
-    Expressions,
-    Stretch,
-    Value,
-    as_type,
-)
+from fuzzyarm.exchange.export.kernel_values import KINDS, ROOM, Expressions, Stretch, Value, as_type
 from fuzzyarm.exchange.export.liveness import declared_first, read_in, set_in, without_unread
 from fuzzyarm.exchange.export.numbers import ExportError, stand_ins
 from fuzzyarm.exchange.export.sets import TABLE_HINT
@@ -65,8 +58,6 @@ from fuzzyarm.symbolic.nodes import Constant, Node, Symbol, apply, symbol
 from fuzzyarm.symbolic.printing import Assign
 from fuzzyarm.symbolic.translation.functions import NotTranslatedError, _source_of
 from fuzzyarm.symbolic.translation.types import Array, Nothing, Scalar, TupleType, Type, wider
-
-__all__ = ["walk_lines"]
 
 MOST_PARTS = 4
 """Numbers that a function may return."""

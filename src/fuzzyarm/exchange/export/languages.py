@@ -39,8 +39,6 @@ from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
 from fuzzyarm.symbolic.printing import PYTHON as PYTHON_EXPRESSIONS
 
-__all__ = ["JAVASCRIPT", "MODULES", "PYTHON", "RUST"]
-
 
 def _is_float(kind: Kind) -> bool:
     return kind in {np.float32, np.float64}

@@ -14,25 +14,10 @@ from dataclasses import dataclass, replace
 from fuzzyarm.exchange.export.program import Call, OutputProgram
 from fuzzyarm.exchange.export.samples import SampleSums
 from fuzzyarm.exchange.export.walk import DefuzzifierWalk
-from fuzzyarm.symbolic.nodes import (
-    Apply,
-    Node,
-    Symbol,
-    apply,
-    children,
-    postorder,
-    symbol,
-    symbols,
-)
+from fuzzyarm.symbolic.nodes import Apply, Node, Symbol, apply, children, postorder, symbol, symbols
 from fuzzyarm.symbolic.nodes import replace as substitute
 from fuzzyarm.symbolic.operations import OPERATIONS
-from fuzzyarm.symbolic.printing import (
-    Assign,
-    Statement,
-    setting,
-    statements,
-    variables,
-)
+from fuzzyarm.symbolic.printing import Assign, Statement, setting, statements, variables
 
 _DEEPEST = 110
 """Nesting of one expression before parts of it go into variables (compilers take 127)."""

@@ -29,8 +29,6 @@ from fuzzyarm.exchange.export.typed_program import (
 from fuzzyarm.symbolic.nodes import Symbol, constant
 from fuzzyarm.symbolic.printing import Assign
 
-__all__ = ["declared_first", "read_in", "set_in", "without_unread"]
-
 
 def _inner(line: Line) -> list[tuple[Line, ...]]:
     """Return the blocks of a compound statement."""

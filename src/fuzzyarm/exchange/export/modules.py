@@ -17,8 +17,6 @@ from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target, s
 from fuzzyarm.exchange.export.routine import plain
 from fuzzyarm.exchange.export.typed_program import Member
 
-__all__ = ["LETTERS", "Module", "module_of"]
-
 
 class Module(NamedTuple):
     """A language whose export is one file.

@@ -23,11 +23,6 @@ from fuzzyarm.exchange.export.structured_text import controller_st, structured_t
 from fuzzyarm.symbolic.identifiers import Names
 from fuzzyarm.version import __version__
 
-__all__ = [
-    "ELEMENTARY", "TIME", "Declaration", "DeclarationSection", "Project", "Unit",
-    "controller_project", "plcopen_xml", "routines_project",
-]  # fmt: skip
-
 ELEMENTARY = frozenset({*ST_TYPES.values(), "BOOL"})
 """Types of the language; any other type is a function block of the project."""
 

@@ -53,8 +53,6 @@ from fuzzyarm.symbolic.op import where
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import Assign, Choose, Language
 
-__all__ = ["FunctionPrinter", "Printer", "Target", "start_text"]
-
 
 @dataclass(frozen=True)
 class Target:

@@ -45,15 +45,7 @@ from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import Piece, formula_of
 from fuzzyarm.inference.single_output import lay_out_output
 from fuzzyarm.inference.weighted import is_rising
-from fuzzyarm.language.model.rulebase import (
-    And,
-    Hedge,
-    Hedged,
-    Input,
-    Is,
-    Output,
-    RuleBase,
-)
+from fuzzyarm.language.model.rulebase import And, Hedge, Hedged, Input, Is, Output, RuleBase
 from fuzzyarm.language.model.rulebase import Expression as Antecedent
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.evaluation import Schedule, evaluate_arrays, schedule, specialise

@@ -15,8 +15,6 @@ from dataclasses import dataclass, field
 from fuzzyarm.exchange.export.numbers import ExportError
 from fuzzyarm.exchange.export.plcopen import Declaration, Project, Unit
 
-__all__ = ["scl_source"]
-
 _TYPES = {
     "REAL": "Real", "LREAL": "LReal", "SINT": "SInt", "INT": "Int", "DINT": "DInt", "BOOL": "Bool",
 }  # fmt: skip

@@ -20,11 +20,7 @@ from fuzzyarm.exchange.export.routine import Routine
 from fuzzyarm.language.model.controller import ControllerModel
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic import op
-from fuzzyarm.symbolic.nodes import (
-    Node,
-    symbol,
-    symbols,
-)
+from fuzzyarm.symbolic.nodes import Node, symbol, symbols
 from fuzzyarm.table import LookupTable
 
 LAST = "last"

@@ -71,8 +71,6 @@ from fuzzyarm.symbolic.printing import (
 )
 from fuzzyarm.version import __version__
 
-__all__ = ["controller_st", "structured_text"]
-
 FIRED, RESULT, FOUND = "a rule fires", "what is returned", "what was found"
 """Symbols: whether a rule fires, where there is no number for "none"; what is returned; what would
 be, if one fires."""

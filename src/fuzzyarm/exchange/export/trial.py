@@ -28,8 +28,6 @@ from fuzzyarm.exchange.export.table import FixedTable
 from fuzzyarm.exchange.export.typed_program import Program
 from fuzzyarm.symbolic.operations import Operation
 
-__all__ = ["LOST", "EvaluatedController", "trial"]
-
 
 def _operation(printer: Printer, operation: Operation, kind: Kind) -> str:
     """Return the text of an operation; a function of a library is rounded to the arithmetic."""

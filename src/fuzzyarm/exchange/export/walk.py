@@ -54,6 +54,8 @@ class Listed:
         Functions of two rows, and of one row and numbers.
     """
 
+    compiled = False
+
     def __init__(self) -> None:
         self.norms: dict[int, Callable[..., None]] = {}
         self.curves: dict[int, Callable[..., None]] = {}
