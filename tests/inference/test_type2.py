@@ -17,7 +17,6 @@ from fuzzyarm.base.diagnostic import Diagnostic
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.inference import InferenceError, compiled, infer, infer_interval
-from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.check import check
@@ -37,6 +36,7 @@ from fuzzyarm.language.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.proof.map.centroid_bounds import average_bounds, centroid_bounds
 from fuzzyarm.symbolic.kinds import HEDGES, SNORMS, TNORMS
 from tests.interpreted import interpreted
 

@@ -14,18 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzzyarm
-from fuzzyarm.inference.centroid_bounds import (
-    average_bounds,
-    centroid_bounds,
-    ends_of_average_bounds,
-    ends_of_centroid_bounds,
-)
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.place_bounds import (
-    bisector_bounds,
-    halving_bounds,
-    nearest_half_bounds,
-)
 from fuzzyarm.inference.positions import half_of, nearest_half_of
 from fuzzyarm.inference.type_reduction_kernel import end_of_average
 from fuzzyarm.language import parse
@@ -33,7 +22,18 @@ from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.proof.map import Prover, UnprovableError, prove
 from fuzzyarm.proof.map.arithmetic import FLOATS, as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients, from_values, halving, lattice
+from fuzzyarm.proof.map.centroid_bounds import (
+    average_bounds,
+    centroid_bounds,
+    ends_of_average_bounds,
+    ends_of_centroid_bounds,
+)
 from fuzzyarm.proof.map.pieces import Cut, cut
+from fuzzyarm.proof.map.place_bounds import (
+    bisector_bounds,
+    halving_bounds,
+    nearest_half_bounds,
+)
 from fuzzyarm.proof.map.straight import NotStraightError, straight
 from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop

@@ -106,11 +106,11 @@ def _summed(
     samples = positions.shape[0]
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     first, last = sample(k, f, room, point, 0, aggregate, cut)
-    return weighed(aggregate, positions, weights, first, last)
+    return summed_up(aggregate, positions, weights, first, last)
 
 
 @kernel
-def weighed(
+def summed_up(
     aggregate: Any, positions: Any, weights: Any, first: int, last: int
 ) -> tuple[float, float]:
     """Return area and moment of samples, from the first to the last."""

@@ -54,7 +54,7 @@ from fuzzyarm.inference.block import (
     WORK_ROWS,
     parts_of,
 )
-from fuzzyarm.inference.centroid_kernel import envelop, sample, weighed
+from fuzzyarm.inference.centroid_kernel import envelop, sample, summed_up
 from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
 from fuzzyarm.inference.kernel import made_of
 from fuzzyarm.inference.quadrature_kernel import integrate
@@ -264,7 +264,7 @@ def nie_tan_samples(block: Any) -> None:
         total[point] = moment[point] = 0.0
         for side in range(2):
             first, last = sample(k, f, room, point, side, aggregate, cut)
-            area, torque = weighed(aggregate, positions, weights, first, last)
+            area, torque = summed_up(aggregate, positions, weights, first, last)
             total[point] += area
             moment[point] += torque
 

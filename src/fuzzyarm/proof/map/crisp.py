@@ -14,15 +14,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.inference.centroid_bounds import (
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.firing_intervals import LOWER, UPPER
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.proof.map.aggregates import AggregateSamples, JoinedPanels, Panels, Strengths, folded
+from fuzzyarm.proof.map.arithmetic import Array
+from fuzzyarm.proof.map.bounds import UnprovableError
+from fuzzyarm.proof.map.centroid_bounds import (
     average_bounds,
     centroid_bounds,
     ends_of_average_bounds,
     ends_of_centroid_bounds,
 )
-from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.firing_intervals import LOWER, UPPER
-from fuzzyarm.inference.place_bounds import (
+from fuzzyarm.proof.map.memberships import SLACK, Interval
+from fuzzyarm.proof.map.place_bounds import (
     Humps,
     bisector_bounds,
     halving_bounds,
@@ -32,12 +38,6 @@ from fuzzyarm.inference.place_bounds import (
     nearest_half_bounds,
     smallest_bounds,
 )
-from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.weighted import tsukamoto_at_point
-from fuzzyarm.proof.map.aggregates import AggregateSamples, JoinedPanels, Panels, Strengths, folded
-from fuzzyarm.proof.map.arithmetic import Array
-from fuzzyarm.proof.map.bounds import UnprovableError
-from fuzzyarm.proof.map.memberships import SLACK, Interval
 from fuzzyarm.proof.map.places import humps_of_numbers, places
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import bounds

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.inference.maxima import nearest_to_zero
-from fuzzyarm.inference.place_bounds import TIE, Humps
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.quadrature import CLIPPING
 from fuzzyarm.inference.sets import Piece, peak
@@ -30,6 +29,7 @@ from fuzzyarm.proof.map.aggregates import (
 )
 from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.memberships import Interval, joined
+from fuzzyarm.proof.map.place_bounds import TIE, Humps
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import TNORMS
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from fuzzyarm.inference.centroid_bounds import (
+from fuzzyarm.proof.map.centroid_bounds import (
     average_bounds,
     mirrored,
     sums_from_left,
