@@ -20,7 +20,7 @@ set-point every 5
 
 gain G_e  = 16 "1/rad", tune 2 .. 200 log
 gain G_ce = 0.7 "s/rad"
-gain G_u  = 4.5 "V"
+gain G_u  = 4.5
 gain K_I  = 10
 
 axis shaft
