@@ -325,11 +325,14 @@ class OwnPlant:
     fastest: float = 10.0
     duration: float = 1.0
     input: str = "u"
+    dead: float = 0.0  # dead time of the actuator, s
 
     @property
     def text(self) -> str:
         """The file; an object of its own name in each folder."""
-        ends = [f"Port('V', {self.low!r}, {self.high!r}, {self.slew!r})".replace("inf", "math.inf")]
+        words = f"{self.low!r}, {self.high!r}, {self.slew!r}".replace("inf", "math.inf")
+        delay = f", delay={self.dead!r}" if self.dead else ""
+        ends = [f"Port('V', {words}{delay})"]
         outputs = []
         for port in self.outputs:
             words = f"Port('m', {port.low!r}, {port.high!r}"
@@ -592,11 +595,14 @@ class Runner:
             total = total + value
         plant = loop.plant
         total = np.clip(total, plant.low, plant.high)
+        idle = np.clip(0.0, plant.low, plant.high)
         if plant.slew < math.inf:
-            idle = np.clip(0.0, plant.low, plant.high)
             held = before.get("driven", np.full(len(total), idle))
             total = np.clip(total, held - plant.slew * loop.period, held + plant.slew * loop.period)
             after["driven"] = total
+        for k in range(round(plant.dead / loop.period)):
+            key = f"pending {k + 1}"
+            after[key], total = total, before.get(key, np.full(len(total), idle))
         return total, after
 
     def _sensed(

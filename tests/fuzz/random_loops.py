@@ -401,7 +401,7 @@ def plain_loop(draw: random.Random) -> Loop:
     sensors = {"y": Seen(delay=draw.choice([1.0, 2.0]) * period)} if draw.random() < 0.2 else {}
     within = draw.choice([None, None, (-1.0, 1.0)])
     drives = (Driven("u", last, draw.choice([1] * 14 + [-1]), within),)
-    return Loop(plant, period, tuple(lines), drives, sensors)
+    return Loop(_late(draw, plant, period), period, tuple(lines), drives, sensors)
 
 
 def _any_loop(draw: random.Random) -> Loop:
@@ -420,7 +420,13 @@ def _any_loop(draw: random.Random) -> Loop:
     if draw.random() < 0.15:
         lines = [replace(line, of=("Y",)) if line.of == ("y",) else line for line in lines]
         connect = {"Y": "y"}
+    plant = _late(draw, plant, period)
     return Loop(plant, period, tuple(lines), drives, sensors, set_point, connect)
+
+
+def _late(draw: random.Random, plant: OwnPlant, period: float) -> OwnPlant:
+    """Return some plants with a dead time of their actuator, of whole periods."""
+    return replace(plant, dead=draw.choice([0] * 5 + [1, 2, 3]) * period)
 
 
 def _sources(draw: random.Random, plant: OwnPlant) -> tuple[list[Line], list[str]]:
@@ -1087,6 +1093,8 @@ def memory_key(name: str, loop: Loop) -> str | None:
     bare = name.partition(".")[2] or name
     if bare.endswith(" driven"):
         return "driven"
+    if " pending " in bare:
+        return f"pending {bare.rpartition(' ')[2]}"
     if " slew " in bare:
         return "slew 0"
     if " excess " in bare:
