@@ -175,6 +175,7 @@ def test_singletons_are_averaged() -> None:
         ('andMethod="PROD"', 'andMethod="custom_x"', "unknown-norm", 35),
         ('domainleft="0"', "", "bad-range", 5),
         ('weight="0.8"', 'weight="x"', "not-a-number", 35),
+        ('weight="0.8"', 'weight="1.8"', "bad-weight", 35),
         ("<term>cold</term>", "<term>cool</term>", "undefined-term", 28),
         ("<variable>damp</variable>", "<variable>dump</variable>", "undefined-variable", 29),
         ("<variable>fan</variable>", "<variable>damp</variable>", "not-an-output", 32),

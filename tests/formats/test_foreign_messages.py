@@ -395,3 +395,10 @@ def test_a_wrong_count_of_numbers_is_called_that(shape, names, count, tmp_path, 
     said = "".join(capsys.readouterr())
     assert f"error[parameter-count]: {shape} takes 2 numbers ({names}), not {count}" in said
     assert "did you mean" not in said
+
+
+@pytest.mark.parametrize(("word", "hint"), [("gausmf", "did you mean 'gaussmf'?"), ("mymf", "")])
+def test_a_misspelt_function_gets_its_hint(word: str, hint: str) -> None:
+    text = TIPPER.replace("'gaussmf'", f"'{word}'", 1)
+    (finding,) = parse_fis(text).errors
+    assert (finding.name, finding.hint) == ("unknown-shape", hint)

@@ -368,7 +368,7 @@ def _report(
 def _summary(findings: Sequence[Diagnostic]) -> str:
     warnings = sum(d.severity == "warning" for d in findings)
     if warnings:
-        return f"{warnings} warning(s)"
+        return counted(warnings, "warning")
     left_out = any(d.name.startswith("dropped-") for d in findings)
     return "numbers unchanged" if left_out else "nothing lost"
 

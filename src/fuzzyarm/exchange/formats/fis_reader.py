@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import MAX_TERMS, Span
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.exchange.formats.dialects import FIS, Dialect
 from fuzzyarm.exchange.formats.drafts import (
     VariableDraft,
@@ -438,7 +439,8 @@ class _Reader(SystemReader):
         rules = self.rules[:MAX_RULES]
         block.rules = [text for line in rules if (text := self._rule(line)) is not None]
         if self.unequal and not self.findings.is_damaged:
-            counts = f"{len(self.inputs)} inputs and {len(self.outputs)} outputs"
+            inputs, outputs = len(self.inputs), len(self.outputs)
+            counts = f"{counted(inputs, 'input')} and {counted(outputs, 'output')}"
             more = f" (and {len(self.unequal) - 1} other rules)" if len(self.unequal) > 1 else ""
             message = f"the rule does not have a number for each of {counts}{more}"
             self.findings.error("wrong-count", message, self.unequal[0])
@@ -502,8 +504,8 @@ class _Reader(SystemReader):
         if hedges and hedges[0].name == "any" and index == 0 and table:
             index = min(table)
         if index not in table:
-            count = len(table)
-            message = f"'{draft.name}' has {count} term(s), so none has the number {index}"
+            count = counted(len(table), "term")
+            message = f"'{draft.name}' has {count}, so none has the number {index}"
             if not self.findings.is_damaged:
                 self.findings.error("undefined-term", message, word)
             return None
@@ -544,9 +546,9 @@ class _Reader(SystemReader):
         if not systems:
             self.findings.error("no-engine", "this file has no section [System]")
             return
-        for key, counted, items in counts:
+        for key, found, items in counts:
             word = self.settings.get(key)
-            if word is not None and not self._check_count(word, counted, items):
+            if word is not None and not self._check_count(word, found, items):
                 return
         system = systems[0].span  # [System1] is one, too
         ends = [bool(_ENDING.search(self.rules[index].text)) for index in (0, -1) if self.rules]
@@ -559,13 +561,13 @@ class _Reader(SystemReader):
             message = "the last rule lacks the ending of the others: the file is cut off"
             self.findings.error("syntax", message, self.rules.pop())
 
-    def _check_count(self, word: TextPiece, counted: int, items: str) -> bool:
+    def _check_count(self, word: TextPiece, found: int, items: str) -> bool:
         """Compare an announced count with the file; return whether nothing is missing."""
         count = number(word.text)
-        if count == counted:
+        if count == found:
             return True
-        message = f"the file says {word.text[:20]} {items}, but there are {counted}"
-        if count is not None and count < counted:
+        message = f"the file says {word.text[:20]} {items}, but there are {found}"
+        if count is not None and count < found:
             self.findings.warn("wrong-count", f"{message}, which are all read", word)
             return True
         # All rules up to the last are complete; a greater count alone is no evidence of more.

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.exchange.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
 from fuzzyarm.exchange.formats.drafts import lines_of
 from fuzzyarm.exchange.formats.findings import FaultError, Findings, TextPiece, numbers
@@ -262,7 +263,7 @@ def _unknown(kind: TextPiece, spellings: Mapping[str, Spelling], findings: Findi
         return
     if kind.text.lower().endswith("mf"):
         message = f"'{kind.text[:40]}' is a custom function, which is not in the file"
-        findings.error("unknown-shape", message, kind)
+        findings.error("unknown-shape", message, kind, near_hint(kind.text, spellings)[0])
         return
     findings.unknown("unknown-shape", "the membership function", kind, spellings)
 

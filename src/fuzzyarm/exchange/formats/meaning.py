@@ -84,6 +84,10 @@ def blocks_in_model(
     findings: Findings,
 ) -> tuple[RuleBlock, ...]:
     """Return the blocks of the model, with the rules' meaning in the program."""
+    for text in (text for block in blocks for text in block.rules):
+        if not 0.0 <= text.weight <= 1.0:
+            message = f"a weight must lie between 0 and 1, not {text.weight:g}"
+            findings.error("bad-weight", message, text.span)
     if dialect.activates:
         builder = _Activations(variables, findings, dialect)
         return tuple(

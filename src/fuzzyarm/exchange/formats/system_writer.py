@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.exchange.formats.dialects import MACHINE_EPSILON, Dialect, word_of
 from fuzzyarm.exchange.formats.drafts import VALUES, all_invertible, maximum_of_nothing, same_number
 from fuzzyarm.exchange.formats.findings import Exported, Findings
@@ -394,10 +395,10 @@ def note_left_out(
         findings.info("dropped-lookup", "the lookup settings are left out")
     if rulebase.expectations:
         count = len(rulebase.expectations)
-        findings.info("dropped-expectations", f"{count} expectation(s) are left out")
+        findings.info("dropped-expectations", f"{counted(count, 'expectation')} left out")
     if rulebase.properties:
         count = len(rulebase.properties)
-        findings.info("dropped-properties", f"{count} `prove` line(s) are left out")
+        findings.info("dropped-properties", f"{counted(count, '`prove` line')} left out")
     variables = (*rulebase.inputs, *rulebase.outputs)
     described = any(v.description for v in variables) or bool(rulebase.description)
     if described and not descriptions:
