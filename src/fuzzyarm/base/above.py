@@ -11,8 +11,6 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-__all__ = ["function", "register"]
-
 _HOMES: dict[str, str] = {}
 
 

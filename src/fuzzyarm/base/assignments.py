@@ -9,8 +9,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from fuzzyarm.base.errors import UsageError, WordError
 from fuzzyarm.base.names import near_hint
 
-__all__ = ["read_assignments", "read_number", "read_point"]
-
 
 def read_assignments(
     words: Iterable[str], names: Iterable[str], *, what: str = "input"

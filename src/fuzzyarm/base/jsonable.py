@@ -20,17 +20,6 @@ from functools import cache
 from types import MethodType, MethodWrapperType
 from typing import Any, NamedTuple, TypeVar
 
-__all__ = [
-    "JsonProperty",
-    "JsonRecord",
-    "entry",
-    "json_properties",
-    "jsonable",
-    "properties_of",
-    "script_json",
-]
-
-
 T = TypeVar("T")
 
 _METHODS = (MethodType, MethodWrapperType)

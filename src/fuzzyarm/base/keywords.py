@@ -12,11 +12,6 @@ from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint, shortened
 
-__all__ = [
-    "ArgumentError", "demand_alone", "demand_arguments", "demand_keywords", "demand_path",
-    "demand_text", "wrong_argument",
-]  # fmt: skip
-
 
 class ArgumentError(FuzzyarmError, TypeError):
     """An unknown or missing argument, or one of the wrong type.

@@ -9,11 +9,6 @@ from collections.abc import Iterator
 
 from fuzzyarm.base.errors import FuzzyarmError
 
-__all__ = [
-    "ForeignFileError", "SourceFileError", "demand_made", "demand_no_source", "is_in_command",
-    "is_made", "is_made_file", "marked", "note_result", "note_source", "source_in", "sources_kept",
-]  # fmt: skip
-
 _Identity = str | tuple[int, int]
 """A real path, or device and inode for files with several names."""
 

@@ -10,13 +10,7 @@ from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.folders import READABLE
 from fuzzyarm.base.numbers import read_time
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.learning.data import (
-    Columns,
-    Samples,
-    read_samples,
-    rulebase_samples,
-    table_samples,
-)
+from fuzzyarm.learning.data import Columns, Samples, read_samples, rulebase_samples, table_samples
 from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.wang_mendel import FEWEST_WORDS, MOST_WORDS
 from fuzzyarm.requests.learn import FitRequest

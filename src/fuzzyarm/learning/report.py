@@ -11,8 +11,6 @@ from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.fit import OUTER, Fit, SurrogateFidelity, linear_outputs, outputs_of, score
 from fuzzyarm.learning.fit_options import Options
 
-__all__ = ["FitReport", "broken_off", "report_lines", "tested"]
-
 
 @json_properties(
     "error=fit.cross_validation judged=fit.judged of_the_choice=fit.choice"

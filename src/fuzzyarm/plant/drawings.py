@@ -20,9 +20,6 @@ from fuzzyarm.plant.plant import Plant, PlantError, parameter
 if TYPE_CHECKING:
     from fuzzyarm.plant.setting import Pair
 
-__all__ = ["DrawnRun", "PlantScene", "drawing_of", "is_drawn"]
-
-
 # --- A sample of a run ---
 
 

@@ -33,12 +33,6 @@ from fuzzyarm.symbolic.kernels import copied, with_names
 from fuzzyarm.symbolic.nodes import Node, as_node, symbol
 from fuzzyarm.symbolic.programs import program_of
 
-__all__ = [
-    "TRACED", "USERS", "Equations", "apart", "begins_by_itself", "compiled_by_numba",
-    "expressions_of", "fill", "has_numba", "is_of_package", "keep_traced", "traced",
-]  # fmt: skip
-
-
 USERS = (Exception, SystemExit)
 """Exceptions of a user's code; ``sys.exit`` in it must not end the command."""
 

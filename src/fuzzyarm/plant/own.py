@@ -20,12 +20,7 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.protected import note_source
-from fuzzyarm.plant.adapters import (
-    ControlPlant,
-    EnvironmentPlant,
-    UnitPlant,
-    is_control_system,
-)
+from fuzzyarm.plant.adapters import ControlPlant, EnvironmentPlant, UnitPlant, is_control_system
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.equations import (
     TRACED,

@@ -11,8 +11,6 @@ from typing import Literal
 
 from fuzzyarm.requests.fields import Limits, Request, option
 
-__all__ = ["ExperimentRequest"]
-
 TRAJECTORY, LOAD, PLANT = "trajectory", "load", "plant"
 AROUND = "sensors, actuators and disturbances"
 RUN = "run"

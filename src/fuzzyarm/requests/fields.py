@@ -32,8 +32,6 @@ from typing import (
 from fuzzyarm.base.errors import WordError
 from fuzzyarm.base.names import near_hint, printable
 
-__all__ = ["Request", "RequestError", "RequestField", "fields_of", "option", "read_fields"]
-
 _KEY = "request"
 """Key in the metadata of a dataclass field."""
 

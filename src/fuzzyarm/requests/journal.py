@@ -19,8 +19,6 @@ from typing import Any, BinaryIO
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import demand_writable, locked
 
-__all__ = ["JournalError", "WorkJournal", "digests_of", "question_of"]
-
 Row = Sequence[str]
 
 

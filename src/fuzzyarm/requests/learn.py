@@ -6,16 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from fuzzyarm.language.controller_meaning import MAX_DELAY
-from fuzzyarm.requests.bounds import (
-    LARGEST_RATE,
-    MOST_FITTED_DIGITS,
-    MOST_PASSES,
-    MOST_RULES,
-)
+from fuzzyarm.requests.bounds import LARGEST_RATE, MOST_FITTED_DIGITS, MOST_PASSES, MOST_RULES
 from fuzzyarm.requests.experiment import BUILT, TABLES, ExperimentRequest
 from fuzzyarm.requests.fields import Limits, Request, option
-
-__all__ = ["FitRequest", "LearnRequest"]
 
 TRAINING, OUTPUT = "training", "output"
 MODEL, SEARCH = "the model", "the search"

@@ -8,8 +8,6 @@ from typing import Literal
 from fuzzyarm.language.model.lookup_modes import LookupMode
 from fuzzyarm.requests.fields import Limits, Request, option
 
-__all__ = ["CompileRequest", "ExportRequest"]
-
 SOURCE = "source text (.h, .c, .st, .xml, .scl) and units (.fmu)"
 
 

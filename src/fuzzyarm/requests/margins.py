@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from fuzzyarm.requests.fields import Limits, Request, option
 
-__all__ = ["MarginsRequest"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class MarginsRequest(Request):

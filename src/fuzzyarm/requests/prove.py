@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from fuzzyarm.requests.bounds import MOST_WORKERS
 from fuzzyarm.requests.fields import Limits, Request, option
 
-__all__ = ["ProveRequest"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class ProveRequest(Request):

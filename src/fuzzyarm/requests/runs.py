@@ -9,8 +9,6 @@ from fuzzyarm.requests.bounds import MOST_RUNS, MOST_WORKERS
 from fuzzyarm.requests.experiment import BUILT, TABLES, ExperimentRequest
 from fuzzyarm.requests.fields import Request, option
 
-__all__ = ["CompareRequest", "SimulateRequest", "SweepRequest"]
-
 MANY = "many runs"
 
 

@@ -8,8 +8,6 @@ from typing import Any
 
 from fuzzyarm.requests.fields import Request, RequestField, fields_of
 
-__all__ = ["form_fields", "schema_of"]
-
 _TYPES = {"text": "string", "truth": "boolean", "whole": "integer", "number": "number"}
 
 

@@ -5,17 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from fuzzyarm.requests.bounds import (
-    MOST_EVALS,
-    MOST_SCENARIOS,
-    MOST_TUNED_DIGITS,
-    MOST_WORKERS,
-)
+from fuzzyarm.requests.bounds import MOST_EVALS, MOST_SCENARIOS, MOST_TUNED_DIGITS, MOST_WORKERS
 from fuzzyarm.requests.experiment import BUILT, LOAD, PLANT, TABLES, ExperimentRequest
 from fuzzyarm.requests.fields import Limits, option
 from fuzzyarm.requests.runs import Workers
-
-__all__ = ["TuneRequest"]
 
 GOOD, SCENARIOS, SEARCH = "what is good", "scenarios", "the search"
 

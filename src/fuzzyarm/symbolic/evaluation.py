@@ -27,11 +27,6 @@ from fuzzyarm.symbolic.nodes import (
 )
 from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
 
-__all__ = [
-    "array_function", "bounds", "derivative", "evaluate", "evaluate_arrays", "gradient",
-    "has_value", "library_function", "may_lack_values", "schedule", "specialise",
-]  # fmt: skip
-
 
 def evaluate(root: Node, values: Mapping[str, float]) -> float:
     """Return the value of an expression at one point.

@@ -25,29 +25,8 @@ from typing import Any
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.symbolic.evaluation import evaluate_arrays
-from fuzzyarm.symbolic.nodes import (
-    Apply,
-    Constant,
-    Node,
-    Symbol,
-    apply,
-    constant,
-    replace,
-    symbol,
-)
+from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply, constant, replace, symbol
 from fuzzyarm.symbolic.operations import OPERATIONS
-
-__all__ = [
-    "CONSTANTS",
-    "FRB",
-    "FUZZYLITE",
-    "JFUZZYLOGIC",
-    "Formula",
-    "FormulaDialect",
-    "FormulaError",
-    "read_formula",
-    "write_formula",
-]
 
 MAX_DEPTH = 100
 """Deepest nesting of parentheses and signs."""

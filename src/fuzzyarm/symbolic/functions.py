@@ -18,8 +18,6 @@ from fuzzyarm.symbolic.nodes import Apply, Node, symbol, symbols
 from fuzzyarm.symbolic.operations import OPERATIONS
 from fuzzyarm.symbolic.printing import PYTHON, printed
 
-__all__ = ["python_function", "row_source"]
-
 _STEPS = {"floor": "floor", "ceil": "ceil", "rint": "round", "trunc": "truncate"}
 """Operations by their names in the printed text, where these are not functions of :mod:`math`."""
 

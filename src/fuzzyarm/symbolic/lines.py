@@ -25,15 +25,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-__all__ = [
-    "Corner",
-    "StraightLine",
-    "StraightShape",
-    "degree_on_corners",
-    "lines_through",
-    "sampled_degrees",
-]
-
 Corner = tuple[float, float]
 
 

@@ -14,24 +14,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import ClassVar, TypeAlias
 from weakref import WeakValueDictionary
 
-__all__ = [
-    "Apply",
-    "Constant",
-    "Node",
-    "Number",
-    "Symbol",
-    "apply",
-    "as_node",
-    "children",
-    "constant",
-    "postorder",
-    "replace",
-    "substituted",
-    "symbol",
-    "symbols",
-    "trace",
-]
-
 # Every living node by its content: equal expressions are shared. Weak references, so that
 # expressions of discarded rule bases are freed.
 _nodes: WeakValueDictionary[tuple[object, ...], Node] = WeakValueDictionary()

@@ -18,8 +18,6 @@ from typing import Any
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.records import hedge, snorm, tnorm
 
-__all__ = ["register"]
-
 X = Any
 """An expression, a number or an array of degrees."""
 

@@ -23,8 +23,6 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.symbolic.nodes import Node, Number, apply, constant
 
-__all__ = ["OPERATIONS", "Interval", "Operation"]
-
 
 class Interval(NamedTuple):
     """All numbers from `low` to `high`, both included; never NaN."""

@@ -27,21 +27,6 @@ from fuzzyarm.symbolic.nodes import (
 )
 from fuzzyarm.symbolic.operations import OPERATIONS, Operation
 
-__all__ = [
-    "JAVASCRIPT",
-    "PYTHON",
-    "STRUCTURED_TEXT",
-    "Assign",
-    "Choose",
-    "Language",
-    "NotPrintableError",
-    "Statement",
-    "c_language",
-    "printed",
-    "setting",
-    "statements",
-]
-
 DEEPEST = 24
 """Largest nesting of a printed expression before a part moves into a variable."""
 

@@ -23,8 +23,6 @@ from collections.abc import Sequence
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, postorder, symbol
 from fuzzyarm.symbolic.operations import OPERATIONS
 
-__all__ = ["HEAD", "INSTRUCTION", "program_of"]
-
 HEAD = 5
 """Floats of the head."""
 

@@ -28,8 +28,6 @@ from typing import Any
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.records import ShapeKind, shape
 
-__all__ = ["parameters_and_middles", "register"]
-
 X = Any
 """An expression, a number or an array; definitions accept and return any of them."""
 

@@ -48,17 +48,6 @@ from fuzzyarm.symbolic.nodes import Node, argument_names, trace
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 from fuzzyarm.symbolic.records import Kind, KindError, Registry
 
-__all__ = [
-    "SOURCES",
-    "OptionKind",
-    "Setting",
-    "SourceKind",
-    "SourceState",
-    "Surroundings",
-    "source",
-    "unseen",
-]
-
 X = Any
 """An expression or a number."""
 

@@ -16,11 +16,6 @@ from fuzzyarm.base.numbers import evenly, mirror, number_text, short_bins, short
 from fuzzyarm.language.tokens import Cursor, Fault, is_reserved
 from fuzzyarm.table.axis import MODES, Axis, TableError, TableHeader
 
-__all__ = [
-    "FORMAT", "KEYWORDS", "VERSION", "Header", "header_lines", "index_words", "read_number_list",
-    "read_statement", "resolve", "spelled",
-]  # fmt: skip
-
 FORMAT = "fuzzyarm-table"
 VERSION = 1
 

@@ -9,8 +9,6 @@ from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.table.axis import TableError
 from fuzzyarm.table.header import read_number_list
 
-__all__ = ["read_levels"]
-
 Levels = int | tuple[float, ...]
 
 _NAMED = re.compile(r"\s*(?P<name>[^=:]+?)\s*[=:]\s*(?P<rest>.+)", re.DOTALL)

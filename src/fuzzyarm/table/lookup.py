@@ -21,11 +21,6 @@ from numpy.typing import NDArray
 from fuzzyarm.symbolic.kernels import has_machine_code, in_threads, kernel, processors, routine
 from fuzzyarm.table.axis import Axis, TableError
 
-__all__ = [
-    "AT_POINT", "OVER_ARRAYS", "LookupArithmetic", "PreparedTable", "blend", "cell_index",
-    "corner_offsets", "look_up_arrays", "looked_up", "pack_grid", "share_of_way",
-]  # fmt: skip
-
 # --- The definition ---
 #
 # By bins and by the nearest level, the index of x along an input is the number of thresholds

@@ -17,14 +17,7 @@ from fuzzyarm.base.names import did_you_mean, near_hint
 from fuzzyarm.base.numbers import column_of_numbers, counted, number_text
 from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize_line
 from fuzzyarm.table.axis import Axis, PlainTable, TableHeader
-from fuzzyarm.table.header import (
-    KEYWORDS,
-    Header,
-    header_lines,
-    read_statement,
-    resolve,
-    spelled,
-)
+from fuzzyarm.table.header import KEYWORDS, Header, header_lines, read_statement, resolve, spelled
 
 # --- The whole text ---
 

@@ -23,12 +23,7 @@ from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.catalogue import controller_of
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.control.loop.blocks import (
-    Workers,
-    packed,
-    unpacked,
-    workers_watched,
-)
+from fuzzyarm.control.loop.blocks import Workers, packed, unpacked, workers_watched
 from fuzzyarm.control.loop.course import Course, Options
 from fuzzyarm.control.loop.many import Bench, Experiment
 from fuzzyarm.control.loop.program import LoopProgram

@@ -26,12 +26,7 @@ from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, Tuning
 from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
 from fuzzyarm.learning.data import Samples, read_samples
 from fuzzyarm.learning.fit import linear_outputs
-from fuzzyarm.learning.tuning.cost import (
-    ERRORS,
-    OwnCost,
-    errors_between,
-    read_cost,
-)
+from fuzzyarm.learning.tuning.cost import ERRORS, OwnCost, errors_between, read_cost
 from fuzzyarm.learning.tuning.examiner import Over, TuningProblem, panel
 from fuzzyarm.learning.tuning.judging import Means, TuningJob, rounded, with_judgement
 from fuzzyarm.learning.tuning.linear import opponent

@@ -33,8 +33,6 @@ from fuzzyarm.symbolic.translation.types import (
 if TYPE_CHECKING:
     from fuzzyarm.symbolic.translation.targets import Target
 
-__all__ = ["NotTranslatedError", "Translation"]
-
 REAL, WHOLE, TRUTH = Scalar.REAL, Scalar.WHOLE, Scalar.TRUTH
 
 Bindings = tuple[tuple[str, Callable[..., Any]], ...]

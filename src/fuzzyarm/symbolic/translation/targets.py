@@ -14,8 +14,6 @@ from fuzzyarm.symbolic.kernels import short
 from fuzzyarm.symbolic.printing import javascript_number
 from fuzzyarm.symbolic.translation.types import Array, Nothing, Scalar, Type, TypedText
 
-__all__ = ["C99", "JAVASCRIPT", "Target"]
-
 REAL, WHOLE, SHORT, TRUTH = Scalar.REAL, Scalar.WHOLE, Scalar.SHORT, Scalar.TRUTH
 
 Functions = Mapping[tuple[Any, Scalar], tuple[str, Scalar]]
