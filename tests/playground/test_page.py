@@ -302,6 +302,28 @@ def stored(page, name):
     return page.evaluate(f"localStorage.getItem('fuzzyarm playground: {name}')")
 
 
+def test_files_keep_their_texts_when_they_are_turned_to_and_renamed_in_the_list(visitor, site):
+    page = visitor.new_page()
+    page.goto(site.address)
+    ready(page)
+    names = ("pd7.frb", "servo.frb", "tipper.frb")
+    texts = {name: stored(page, name) for name in names}
+    for name in (*names, *names):  # the second time each has a desk, which was left in this view
+        page.get_by_role("tab", name="Files").click()
+        page.locator(".files").get_by_role("button", name=name, exact=True).click()
+        until(page, f"document.title.startsWith('{name}') && window.designer.text.settled()")
+        assert text_of(page) == texts[name]
+    page.get_by_role("tab", name="Files").click()
+    page.get_by_role("button", name="Rename tipper.frb").click()
+    page.locator("dialog input[name=name]").fill("tip.frb")
+    page.locator("dialog").get_by_role("button", name="Rename").click()
+    until(page, "document.title.startsWith('tip.frb')")
+    turned_to(page, "pd7.frb")
+    page.wait_for_timeout(400)  # until a text is kept that has been changed
+    assert [stored(page, name) for name in ("pd7.frb", "servo.frb", "tip.frb")] == [*texts.values()]
+    assert stored(page, "tipper.frb") is None
+
+
 def test_of_two_tabs_on_a_file_one_writes_and_no_text_is_lost(visitor, site):
     one, two = visitor.new_page(), visitor.new_page()
     one.goto(f"{site.address}#file=tipper.frb")

@@ -24,7 +24,7 @@ kept.begin(start.texts);
 const desks = new Set(); // all that there are
 const of = (file) => [...desks].find((desk) => desk.file === file);
 const tabs = new Tabs(
-  { kept: (file) => of(file)?.keep() ?? kept.get(file), turned: (file, text) => of(file)?.turn(text) },
+  { kept: (file) => of(file)?.keep() ?? kept.get(file), turned: (file, text) => of(file)?.given(text) },
   kept.lasting ? globalThis : {},
 );
 /** @type {typeof P.loading | null} */
@@ -96,7 +96,7 @@ function keeping(desk) {
     if (!kept.put(desk.file, text())) desk.link.say(P.notKept);
     return text();
   };
-  desk.turn = (theirs) => {
+  desk.given = (theirs) => {
     awaited = tabs.writes(desk.file) ? (theirs ?? kept.get(desk.file)) : null;
     if (awaited !== null) desk.hear(awaited);
     arrive();
