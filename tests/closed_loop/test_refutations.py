@@ -101,6 +101,14 @@ def test_a_stiff_loop_is_proved_up_to_its_limit(tmp_path: Path) -> None:
     assert refuted.evidence[-1] == "next to rest a deviation grows at least 1.01 times per period"
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_run_that_its_integrator_loses_is_no_witness(tmp_path: Path) -> None:
+    # Without a bound nothing stops it before the numbers end.
+    text = LAG.replace("RATE", "-2000.0*x[0] + 2000.0*u[0]")
+    plant = plant_file(tmp_path, text.replace("-10.0, 10.0)", "-10.0, 10.0, bound=float('inf'))"))
+    assert proved(proportional(tmp_path, 0.9), "stable", plant).verdict == "proved"
+
+
 def test_an_unstable_loop_is_refuted_without_a_run_that_goes_far(tmp_path: Path) -> None:
     plant = lag(tmp_path, "u[0]")  # next y = -1.0001 y: within a second 1.01 times as much
     refuted = proved(proportional(tmp_path, 200.01), "stable", plant)

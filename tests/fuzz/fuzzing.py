@@ -7,6 +7,8 @@ import contextlib
 import io
 import os
 import random
+import signal
+import sys
 import tempfile
 import time
 import traceback
@@ -57,8 +59,10 @@ def search(case: Case, seed: int, count: int, first: int = 0) -> list[Finding]:
 def run(description: str | None, case: Case, words: Sequence[str] | None = None) -> int:
     """Be a script: ``--seed 1 --count 20000``; print one finding of each sort.
 
-    Ctrl-C ends the search early, with what there is by then.
+    Findings are named at once. Ctrl-C ends the search early, with what there is by then; in the
+    background, where shells ignore it, ``kill -INT`` does.
     """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=1000)
@@ -69,7 +73,10 @@ def run(description: str | None, case: Case, words: Sequence[str] | None = None)
     count = 0
     with contextlib.suppress(KeyboardInterrupt):
         for count in range(chosen.count):
-            found += filter(None, [tried(case, chosen.seed, chosen.first + count)])
+            finding = tried(case, chosen.seed, chosen.first + count)
+            if finding is not None:
+                print(f"case {finding.number}: {finding.sort}", file=sys.stderr, flush=True)
+                found.append(finding)
         count = chosen.count
     report(found, count, time.monotonic() - start)
     return int(bool(found))
