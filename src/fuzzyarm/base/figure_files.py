@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+__all__ = [
+    "SUFFIXES", "FigureFileError", "figure_bytes", "plain_powers", "require_figure_suffix",
+    "save_figure",
+]  # fmt: skip
+
 SUFFIXES = (".png", ".svg", ".pdf", ".jpg", ".webp")
 
 _METADATA: dict[str, dict[str, str | None]] = {
