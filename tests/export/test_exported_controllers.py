@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from st_programs import Program
 
 from fuzzyarm.apps.cli import main
 from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange import compiled
 from fuzzyarm.exchange.export import (
     ControllerProgram,
     ExportError,
@@ -456,3 +458,46 @@ def test_the_test_of_many_axes_runs_the_program_once_in_a_period(monkeypatch):
     )
     program = ControllerProgram(text_of("\n".join(lines)), "float64")
     assert len(program.tried.vectors.inputs) == len(steps) > 20
+
+
+BESIDE_RULES = """controller c
+use pd7 from "pd7.frb"
+period 1 ms
+gain K = 2.5
+axis shaft
+  e  = error of position
+  ce = error of velocity
+  u  = rules pd7(e, ce) * K
+  v  = u / 2 - {}
+  drive voltage = v * -3 + 1, within -20 .. 20
+"""
+
+
+def test_the_drive_is_as_near_to_that_of_the_rules_as_the_head_says(tmp_path):
+    text = text_of(BESIDE_RULES.format("e * 0"))
+    how = compiled.Making(levels=9, mode="linear", table=True)
+    program, (report,) = compiled.controller_program(text, how, "float64")
+    said = re.search(r"voltage by at most (\S+)$", program.beside_rules)
+    (line,) = [line for line in program.head() if "with rules" in line]
+    assert said
+    assert line == program.beside_rules
+    bound = float(said[1])
+    worst = 0.0
+    rng = np.random.default_rng(3)
+    (fidelity,) = [each for each in report.fidelities if each.mode == "linear"]
+    points = [*rng.uniform(-7.0, 7.0, (100, 2)), [x for _, x in fidelity.at]]
+    for e, ce in points:
+        measured, zero = {"position": -e, "velocity": -ce}, {"position": 0.0, "velocity": 0.0}
+        ours, rules = (c.run().step(measured, zero)["voltage"] for c in (program.text, text))
+        worst = max(worst, abs(ours - rules))
+    assert 0.9 * bound <= worst <= bound
+
+
+@pytest.mark.parametrize(
+    "body", ["lag of u, time 1 s", "integral of u", "u * e", "e * 0 + w"], ids=str.split
+)
+def test_without_a_constant_gain_nothing_is_said_of_the_rules(body):
+    more = "  w = rules pd7(u, ce)\n" if "w" in body else ""
+    text = text_of(BESIDE_RULES.format("e").replace("  v  = u / 2 - e", f"{more}  v = {body}"))
+    program, _ = compiled.controller_program(text, compiled.Making(table=True), "float64")
+    assert program.beside_rules == ""

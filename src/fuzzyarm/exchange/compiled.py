@@ -5,7 +5,8 @@ What ``fuzzyarm compile`` makes, and the designer's exports: the same bytes from
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,6 +15,8 @@ from typing import TYPE_CHECKING
 from fuzzyarm.base.diagnostic import MAX_LEVELS
 from fuzzyarm.base.errors import WordError
 from fuzzyarm.base.folders import MODULES, NETWORK
+from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.language.model.controller import Axes, Drive, Product, SignalLine
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.map.tables import table_proof
 from fuzzyarm.requests.fields import RequestError
@@ -262,16 +265,99 @@ def controller_program(
     """Return a controller ready to be exported, and the tables that it looks up."""
     from fuzzyarm.exchange.export import ControllerProgram, with_tables
 
-    reports: list[CompileReport] = []
+    reports: dict[tuple[int, str], CompileReport] = {}
 
     def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
-        report = compiled(rulebase, output, how, progress)
-        reports.append(report)
+        report = reports[id(rulebase), output] = compiled(rulebase, output, how, progress)
         table = report.table
         return table if how.mode is None else replace(table, mode=how.mode)
 
+    beside_rules = ""
     if how.table:
-        controller = with_tables(controller, compile_output)
+        by_rules, controller = controller, with_tables(controller, compile_output)
+        beside_rules = "" if how.q is not None else _beside_rules(by_rules, how, reports)
     precision, widened = how.precision or default, how.precision is None
-    program = ControllerProgram(controller, precision, how.q, how.proofs, widened)
-    return program, tuple(reports)
+    program = ControllerProgram(
+        controller, precision, how.q, how.proofs, widened, beside_rules=beside_rules
+    )
+    return program, tuple(reports.values())
+
+
+def _beside_rules(
+    text: ControllerText, how: Making, reports: Mapping[tuple[int, str], CompileReport]
+) -> str:
+    """Return how far each drive with tables can be from that with rules, where a bound is known.
+
+    Known is the proved error of a table, times the gain from there to the drive if that is
+    constant: limits and slews make no difference larger.
+    """
+    errors = {
+        key: fidelity.proved
+        for key, report in reports.items()
+        for fidelity in report.fidelities
+        if fidelity.mode == (how.mode or report.table.default_mode)
+    }
+    within: dict[str, float] = {}
+    index = 0
+    for axes in text.model.axes:
+        for axis in axes.names:
+            numbers = {
+                gain.name: gain.values[index if len(gain.values) > 1 else 0].value(math.pi)
+                for gain in text.model.gains
+            }
+            for drive in (line for line in axes.lines if isinstance(line, Drive)):
+                name = drive.port if text.model.has_one_axis else f"{axis}.{drive.port}"
+                within[name] = within.get(name, 0.0) + sum(
+                    _difference(axes, line, drive, numbers, text.sheets, index, errors)
+                    for line in axes.lines
+                    if isinstance(line, SignalLine)
+                )
+            index += 1
+    known = [
+        f"{name} by at most {outward_text(x, up=True, digits=3)}"
+        for name, x in within.items()
+        if math.isfinite(x)
+    ]
+    if not known:
+        return ""
+    return (
+        "difference to the controller with rules, of one period from the same signals and memory"
+        f" (proved): {', '.join(known)}"
+    )
+
+
+def _difference(
+    axes: Axes,
+    line: SignalLine,
+    drive: Drive,
+    numbers: Mapping[str, float],
+    sheets: Mapping[str, Sequence[object]],
+    index: int,
+    errors: Mapping[tuple[int, str], float | None],
+) -> float:
+    """Return the part of a line with rules in the difference of a drive; infinite if unknown."""
+    if line.source is None or line.source.kind != "rules":
+        return 0.0
+    there = sheets[line.source.name]
+    rulebase = there[index if len(there) > 1 else 0]
+    assert isinstance(rulebase, RuleBase)
+    total = 0.0
+    for name, output in zip(line.names, rulebase.outputs, strict=False):
+        products = axes.gain_of(name, drive, numbers)
+        error = errors.get((id(rulebase), output.name))
+        clamped = all(variable.outside == "clamp" for variable in rulebase.inputs)
+        if products == ():
+            continue
+        if products is None or error is None or not clamped:
+            return math.inf
+        total += abs(sum(_value(product, numbers) for product in products)) * error
+    return total
+
+
+def _value(product: Product, numbers: Mapping[str, float]) -> float:
+    """Return a product of numbers and gains."""
+    value = -1.0 if product.negative else 1.0
+    for factor in product.factors:
+        x = numbers[factor.value] if isinstance(factor.value, str) else factor.value
+        value = value / x if factor.divides else value * x
+    return value

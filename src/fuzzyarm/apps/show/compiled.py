@@ -113,4 +113,5 @@ def controller_lines(exported: ExportedController) -> list[str]:
         *exported.calls,
         f"  worst difference to {exported.program.reference}: {worst}"
         f" ({len(trial_run.vectors.expected)} periods, drives up to {largest})",
+        *(f"  {words}" for words in [exported.program.beside_rules] if words),
     ]

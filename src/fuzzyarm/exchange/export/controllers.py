@@ -154,6 +154,8 @@ class ControllerProgram:
         What is proved of it in its loop.
     widened : bool
         Whether rule bases that need double precision compute in it internally.
+    beside_rules : str
+        How far its drives with tables are from those with rules; empty if unknown.
     """
 
     text: ControllerText
@@ -161,6 +163,7 @@ class ControllerProgram:
     q: int | None = None
     proofs: tuple[str, ...] = ()
     widened: bool = False
+    beside_rules: str = ""
 
     @cached_property
     def steps(self) -> Steps:
@@ -234,6 +237,7 @@ class ControllerProgram:
             steps.precision.words + (" for signals" if self.q is not None else ""),
             f"worst difference to {self.reference}: {self.tried.worst:.3g}"
             f" ({len(self.tried.vectors.expected)} periods, drives up to {self.tried.largest:.3g})",
+            *([self.beside_rules] if self.beside_rules else []),
         ]
         if steps.calls_functions:
             lines.append(
