@@ -217,14 +217,29 @@ def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
                for x in (*box.low, *box.high))  # fmt: skip
 
 
-def test_a_map_without_a_certificate_says_why(tmp_path: Path) -> None:
-    rate = CONTROLLER.replace(
-        "  p = e * 2\n", "  r = rate of e, filter 20 ms\n  p = e * 2 + r * 0.1\n"
-    )
-    found = mapped(tmp_path, controller=rate)
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "r = rate of e, filter 20 ms\n  p = e * 2 + r * 0.1",
+        "s = lag of e, time 30 ms\n  p = s * 2",
+        "s = delayed of e, time 30 ms\n  p = s * 2",
+        "i = integral of e\n  p = e * 2 + i * 0.5",
+    ],
+)
+def test_a_map_of_a_loop_that_remembers_has_a_certificate(tmp_path: Path, lines: str) -> None:
+    found = mapped(tmp_path, controller=CONTROLLER.replace("p = e * 2", lines))
+    assert found.certificate is not None, found.reason
     assert found.share("proved") > 0.2
-    assert found.certificate is None
-    assert found.reason.startswith("no certificate of the map was found: ")
+    write_certificate(found.certificate, str(tmp_path / "map.json"))
+    again = checked(tmp_path, json.loads((tmp_path / "map.json").read_text()))
+    assert again.proved, again
+    demand_true(again)
+
+
+def test_a_map_around_no_rest_says_why(tmp_path: Path) -> None:
+    found = mapped(tmp_path, controller=CONTROLLER.replace("p = e * 2", "p = e * 0.4"))
+    assert found.share("open") == 1.0
+    assert "next to rest a deviation grows" in found.reason
 
 
 def test_a_box_of_too_few_states_is_refused(made: tuple[Path, Any]) -> None:

@@ -114,6 +114,120 @@ def test_sets_hold_runs_and_are_not_much_larger(servo):
         assert 2 * sets[k][0].reach[0] < 2.2 * np.ptp(runs[:, k, 0])
 
 
+RUN = """controller c
+period {period}
+axis a
+  e = error of {port}
+  {lines}
+  drive {drive} = p, within {within}
+"""
+
+REMEMBERED = {
+    "rate": ("motor", "r = rate of e, filter 4 ms\n  p = e * 40 + r"),
+    "lag": ("motor", "s = lag of e, time 5 ms\n  p = s * 40"),
+    "change": ("motor", "d = change of e\n  p = e * 40 + d * 300"),
+    "delayed": ("motor", "s = delayed of e, time 3 ms\n  p = s * 20"),
+    "deadband": ("motor", "s = deadband of e, width 0.1\n  p = s * 60"),
+    "hysteresis": ("motor", "s = hysteresis of e, width 0.1\n  p = s * 60"),
+    "hold": ("motor", "i = integral of e, anti-windup hold\n  p = e * 20 + i * 500"),
+    "back": ("motor", "i = integral of e, anti-windup back 20 ms\n  p = e * 20 + i * 500"),
+    "bounded": ("motor", "i = integral of e, within -0.003 .. 0.002\n  p = e * 20 + i * 500"),
+    "slew": ("motor", "p = e * 40\n  q = p"),
+}
+"""Controllers whose lines remember something, or turn at a corner."""
+
+
+def remembering(kind, tmp_path):
+    """Return a controller that remembers, the problem of starts on both sides of 0, and a box."""
+    plant, lines = REMEMBERED[kind]
+    within = "-3 .. 5, slew 400" if kind == "slew" else "-3 .. 5"
+    path = tmp_path / "c.frb"
+    path.write_text(
+        RUN.format(period="1 ms", port="position", lines=lines, drive="voltage", within=within)
+    )
+    text = fuzzyarm.load_controller(path)
+    claim = read_claim(
+        f"stable on {plant} from position in -0.14 .. 0.1, velocity in -3 .. 9, current in 0 .. 1"
+    )
+    problem = problem_of(text, claim)
+    return text, problem, tuple((Fraction(x.low), Fraction(x.high)) for x in problem.start.values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", REMEMBERED)
+def test_sets_hold_runs_of_loops_that_remember(kind, tmp_path):
+    """Some starts drive the limits, others do not, and what is remembered differs."""
+    _, problem, box = remembering(kind, tmp_path)
+    sets = sets_of(Follower(problem), box, 40)
+    for states in fine_runs(problem, 0.045, cases(24, 400)):
+        for k in (1, 2, 3, 5, 8, 20, 39):
+            assert is_within(sets[k][:3], states[k]), (kind, k)
+
+
+@precisely
+def followed_together(follower, boxes, periods):
+    """Return where sets are at each sample, followed side by side: (samples, ends, forms, sets)."""
+    follower.numbers.sets, follower.numbers.symbols = len(boxes), 0
+    forms, ends = follower._begin(boxes), []
+    for k in range(periods):
+        forms, _ = follower._period(forms, first=k == 0, port="")
+        forms = follower.numbers.fewer(forms, 14)
+        spans = [form.span for form in forms]
+        ends.append([[np.broadcast_to(x, len(boxes)) for x in side]
+                     for side in ([s.low for s in spans], [s.high for s in spans])])  # fmt: skip
+    return np.array(ends)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [*REMEMBERED, "servo.frb", "cartpole.frb", "ball-and-beam.frb"])
+def test_a_set_does_not_depend_on_those_beside_it(kind, tmp_path):
+    """To the last bit; else a certificate might be refused where its boxes are grouped anew."""
+    if kind in REMEMBERED:
+        _, problem, box = remembering(kind, tmp_path)
+    else:
+        text = fuzzyarm.load_controller(fuzzyarm.shipped(kind))
+        plant = "motor" if kind == "servo.frb" else kind.removesuffix(".frb")
+        problem = problem_of(text, read_claim(f"stable on {plant}"))
+        box = [(Fraction(-3, 100), Fraction(2, 100)) for _ in problem.states]
+    generator = np.random.default_rng(7)
+    boxes = []
+    for size in (1.0, 0.1, 0.1, 0.1, 0.01, 0.01, 1e-3, 0.0, 0.1, 0.01):
+        share = [float(generator.uniform(0, 1 - size)) for _ in box]
+        boxes.append([
+            tuple(low + (high - low) * Fraction(at) for at in (x, x + size))
+            for x, (low, high) in zip(share, box, strict=True)
+        ])  # fmt: skip
+    boxes.append([(Fraction(0), Fraction(0)) for _ in box])
+    follower = Follower(problem)
+    together = followed_together(follower, boxes, 30)
+    for k, one in enumerate(boxes):
+        alone = followed_together(follower, [one], 30)
+        assert np.array_equal(alone[..., 0], together[..., k], equal_nan=True), k
+    some = followed_together(follower, boxes[2:5], 30)
+    assert np.array_equal(some, together[..., 2:5], equal_nan=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [k for k in REMEMBERED if k not in ("hysteresis", "hold")])
+def test_a_tube_of_what_is_remembered_has_a_certificate(kind, tmp_path):
+    text, _, _ = remembering(kind, tmp_path)
+    starts = "from position in 0.1 .. 0.11"
+    claim = read_claim(f"on motor {starts}: position in -1 .. 1 during 0 .. 20 ms")
+    assert check_certificate(certify_tube(text, claim), text).proved
+
+
+def test_a_value_that_is_not_followed_is_named(tmp_path):
+    (tmp_path / "edged.frb").write_text(EDGED.replace("triangle -2 0 2", "gaussian 0 1"))
+    (tmp_path / "c.frb").write_text(
+        'controller c\nuse edged from "edged.frb"\nperiod 1 ms\naxis shaft\n'
+        "  e = error of position\n  u = rules edged(e)\n  drive voltage = u\n"
+    )
+    text = fuzzyarm.load_controller(tmp_path / "c.frb")
+    claim = read_claim("on motor: position in -1 .. 1 during 0 .. 3 ms")
+    with pytest.raises(ValueError, match="'u': 'e is Z' is not made of straight pieces"):
+        certify_tube(text, claim, budget=5.0)
+
+
 BOX = ((0.0, 1.0), (-1.0, 1.0))
 
 

@@ -13,8 +13,9 @@ how wide the band becomes: least squares over the corners.
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import combinations_with_replacement, pairwise
 from itertools import product as every
@@ -190,7 +191,7 @@ class RuleBands:
         ends = [index.index((k,) * self.degree) for k in range(self.count)]
         heights = upper[:, ends] / raised[:, ends]
         slopes = self._planes(box, boxes, low, high, places, heights)
-        line = np.einsum("pcn,np->pc", places, slopes[:, box])
+        line = _sum(places[:, :, k] * slopes[k, box][:, None] for k in range(self.size))
         gap = upper - (spread * line[:, None, :]).sum(axis=2)
         reach = (np.abs(self.corners[piece]).max(axis=1).T * np.abs(slopes[:, box])).sum(axis=0)
         size = self.sizes[0][piece] + (reach + np.abs(line).max(axis=1)) * self.sizes[1][piece]
@@ -237,11 +238,18 @@ class RuleBands:
         heights = np.where(np.isfinite(heights), heights, 0.0)
         columns = np.concatenate([near, np.ones((*near.shape[:2], 1))], axis=2)
         rows, right = np.zeros((boxes, n + 1, n + 1)), np.zeros((boxes, n + 1))
-        np.add.at(rows, box, np.einsum("pci,pcj->pij", columns, columns))
-        np.add.at(right, box, np.einsum("pci,pc->pi", columns, heights))
+        every_corner = range(columns.shape[1])
+        squares = _sum(columns[:, c, :, None] * columns[:, c, None, :] for c in every_corner)
+        np.add.at(rows, box, squares)
+        np.add.at(right, box, _sum(columns[:, c] * heights[:, c, None] for c in every_corner))
         rows += 1e-9 * np.eye(n + 1)
         solved = np.linalg.solve(rows, right[:, :, None])[:, :n, 0].T / half
         return np.where(np.isfinite(solved), solved, 0.0)
+
+
+def _sum(terms: Iterable[Vector]) -> Vector:
+    """Return a sum in its order, of each box the same whatever is beside it."""
+    return functools.reduce(np.add, terms)
 
 
 def _turned(tensors: Vector, corners: Vector) -> Vector:

@@ -46,10 +46,10 @@ __all__ = [
     "Checked",
     "check_certificate",
     "check_of",
+    "demand_proved",
     "ends_of_boxes",
     "follow_tubes",
     "proof_words",
-    "refused_box",
     "region_lines",
 ]
 
@@ -230,7 +230,7 @@ def check_certificate(
                 text, claim,
                 plant=plant, sensors=certificate.sensors, connect=certificate.connect,
             )  # fmt: skip
-            proof = _Proof(problem, certificate)
+            proof = demand_proved(problem, certificate)
     except FuzzyarmError as error:
         reason = f"the certificate does not prove it: {error}"
         return replace(checked, reason=reason, seconds=time.monotonic() - begun)
@@ -272,12 +272,21 @@ def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
     return "; ".join([*words, f"certificate {checked.certificate.seal}"])
 
 
-class _Proof:
-    """A proof of a certificate's claim; LoopProofError where it is none."""
+def demand_proved(
+    problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces | None = None
+) -> _Proof:
+    """Return the proof of a certificate's claim; LoopProofError where it is none."""
+    return _Proof(problem, certificate, surfaces or RuleSurfaces())
 
-    def __init__(self, problem: LoopProblem, certificate: Certificate) -> None:
+
+class _Proof:
+    """A proof of a certificate's claim."""
+
+    def __init__(
+        self, problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces
+    ) -> None:
         self.problem, self.claim = problem, certificate.claim
-        self.surfaces = RuleSurfaces()
+        self.surfaces = surfaces
         regions, tubes = certificate.regions, certificate.tubes
         self.facts: dict[str, Any] = {}
         self.coverage = _coverage(problem, certificate) if certificate.window else 0.0
@@ -306,9 +315,10 @@ class _Proof:
     def _follow(self, havens: Sequence[Haven], tubes: Sequence[TubeProof]) -> None:
         """Follow all boxes; a claim of starts needs all of them in the boxes."""
         problem, claim = self.problem, self.claim
-        refused = refused_box(Follower(problem, havens, self.surfaces), claim, tubes)
-        if refused is not None:
-            raise LoopProofError("box {}: {}".format(*refused))
+        follower = Follower(problem, havens, self.surfaces)
+        for number, followed in enumerate(follow_tubes(follower, claim, tubes), 1):
+            if followed.against:
+                raise LoopProofError(f"box {number}: {followed.against}")
         if claim.start or claim.output:
             start = [(Fraction(x.low), Fraction(x.high)) for x in problem.start.values()]
             boxes = np.array([tube.box for tube in tubes], dtype=object)
@@ -349,14 +359,6 @@ def follow_tubes(
         ):
             found[number] = followed
     return found
-
-
-def refused_box(
-    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]
-) -> tuple[int, str] | None:
-    """Return the number of the first box that does not arrive, and why; None where all do."""
-    found = enumerate(follow_tubes(follower, claim, tubes), 1)
-    return next(((number, each.against) for number, each in found if each.against), None)
 
 
 def _into_region(follower: Follower, claim: LoopClaim, index: int) -> Task:

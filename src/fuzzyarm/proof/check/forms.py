@@ -7,6 +7,10 @@ corner (the chord), a rule base (:mod:`.bands`).
 Floats: a sum of n products is off by at most n 2⁻⁵³ times the sum of their magnitudes (N. J.
 Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.1), which goes into the rest;
 what is computed of rests themselves is enlarged.
+
+What becomes of a set does not depend on the sets beside it, to the last bit: decisions are arrays,
+sums over symbols run in their order, and symbols that a set does not have are zeros. So a
+certificate holds in whichever groups its boxes are followed again.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +32,10 @@ from fuzzyarm.proof.check.slopes import Slope, applied
 from fuzzyarm.proof.check.spans import Spans
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Form", "FormNumbers"]
+__all__ = ["Form", "FormNumbers", "Truth"]
 
 Vector = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 ENLARGED = 1.0 + 2.0**-40
 """By which sums of magnitudes are enlarged: 4,000 roundings, where nothing cancels."""
@@ -40,6 +45,36 @@ ROUNDING = 2.0**-52
 
 TINY = 1e-300
 """More than what a thousand results below the smallest normal float are off."""
+
+
+def _total(rows: Vector) -> Vector:
+    """Return the sum of rows, one after the other: zeros between them change nothing."""
+    if not len(rows):
+        return np.zeros(rows.shape[1:])
+    return np.asarray(np.add.accumulate(rows, axis=0)[-1])
+
+
+class Truth(NamedTuple):
+    """A condition that is not the same of all sets: where it holds, and where it does not."""
+
+    yes: Flags
+    no: Flags
+
+    def both(self, other: Truth | bool) -> Truth:
+        """Return whether two conditions hold."""
+        yes, no = (other.yes, other.no) if isinstance(other, Truth) else (other, not other)
+        return Truth(self.yes & yes, self.no | no)
+
+    def negated(self) -> Truth:
+        """Return the contrary."""
+        return Truth(self.no, self.yes)
+
+    def chosen(self, numbers: FormNumbers, a: Form, b: Form) -> Form:
+        """Return a where it holds and b where it does not; where that is open, all between them."""
+        apart = combined((a, 0.5), (b, -0.5)).size
+        hull = combined((a, 0.5), (b, 0.5), (numbers.at(0.0, apart), 1.0))
+        hull = numbers.kept(hull, ~(self.yes | self.no))
+        return _selected(self.yes, a, _selected(self.no, b, hull))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +101,7 @@ class Form:
     @cached_property
     def reach(self) -> Vector:
         """How far values may be from the centre, rounded up."""
-        return np.asarray((np.abs(self.weights).sum(axis=0) + self.rest) * ENLARGED)
+        return np.asarray((_total(np.abs(self.weights)) + self.rest) * ENLARGED)
 
     @cached_property
     def size(self) -> Vector:
@@ -119,12 +154,25 @@ def combined(*terms: tuple[Form, Any]) -> Form:
     # Each product and each sum is rounded: two for each term, over the sum of magnitudes.
     rest = (rest + (2 * len(terms)) * ROUNDING * size + np.where(size > 0.0, TINY, 0.0)) * ENLARGED
     form, factor = terms[0]
-    if len(terms) == 1 and not isinstance(factor, Spans) and np.all(np.abs(near) == 1.0):
-        rest = form.rest  # a sign rounds nothing
+    if len(terms) == 1 and not isinstance(factor, Spans):
+        rest = np.where(np.abs(near) == 1.0, form.rest, rest)  # a sign rounds nothing
     return Form(
         np.broadcast_to(centre, shape), np.broadcast_to(weights, (count, *shape)),
         np.broadcast_to(rest, shape),
     )  # fmt: skip
+
+
+def _selected(which: Flags, a: Form, b: Form) -> Form:
+    """Return a form of some sets, and another one of the others."""
+    if which.all() or not which.any():
+        found = a if which.all() else b
+        return Form(found.centre, found.weights, found.rest)
+    count = max(len(a.weights), len(b.weights))
+    return Form(
+        np.where(which, a.centre, b.centre),
+        np.where(which, a.over(count), b.over(count)),
+        np.where(which, a.rest, b.rest),
+    )
 
 
 class FormNumbers:
@@ -165,17 +213,18 @@ class FormNumbers:
         """Return a number of the program."""
         return self.at(value)
 
-    def kept(self, form: Form) -> Form:
+    def kept(self, form: Form, which: Any = True) -> Form:
         """Return a form whose rest is a symbol: what it does to several values stays together."""
-        if not form.rest.any():
+        rest = np.where(which, form.rest, 0.0)
+        if not rest.any():
             return form
         self.symbols += 1
         weights = form.over(self.symbols).copy()
-        weights[-1] += form.rest
-        return Form(form.centre, weights, np.zeros_like(form.rest), form.ends)
+        weights[-1] += rest
+        return Form(form.centre, weights, np.where(which, 0.0, form.rest), form.ends)
 
     def apply(self, operation: str, arguments: list[Form]) -> Any:
-        """Return an operation; of a condition a bool, the same of all sets."""
+        """Return an operation; of a condition a bool where it is the same of all sets."""
         if operation in ("add", "subtract"):
             a, b = arguments
             return combined((a, 1.0), (b, 1.0 if operation == "add" else -1.0))
@@ -185,11 +234,9 @@ class FormNumbers:
             return self._multiplied(*arguments)
         if operation in ("minimum", "maximum"):
             a, b = arguments
-            sign = 1.0 if operation == "maximum" else -1.0
-            gap = combined((a, sign), (b, -sign))
-            if np.all(gap.span.low >= 0.0):
-                return a
-            return combined((b, 1.0), (self._positive(gap), sign))
+            return self._extreme(a, b, 1.0 if operation == "maximum" else -1.0)
+        if operation in ("less", "less_equal", "equal"):
+            return self._compared(operation, *arguments)
         return self._by_slopes(operation, arguments)
 
     def _multiplied(self, a: Form, b: Form) -> Form:
@@ -200,13 +247,26 @@ class FormNumbers:
         weights = a.over(count) * b.centre + b.over(count) * a.centre
         off = 4 * ROUNDING * a.size * b.size + TINY
         rest = np.abs(a.centre) * b.rest + np.abs(b.centre) * a.rest + a.reach * b.reach + off
-        return self.kept(Form(a.centre * b.centre, weights, rest * ENLARGED))
+        product = Form(a.centre * b.centre, weights, rest * ENLARGED)
+        still = a.reach == 0.0, b.reach == 0.0
+        for x, factor, fixed in ((a, b, still[1]), (b, a, still[0])):
+            if fixed.any():
+                product = _selected(fixed, combined((x, factor.centre)), product)
+        return self.kept(product, ~(still[0] | still[1]))
+
+    def _extreme(self, a: Form, b: Form, sign: float) -> Form:
+        """Return max(a, b), or the smaller one: one of both where that is known of a set."""
+        gap = combined((a, sign), (b, -sign))
+        above = gap.span.low >= 0.0
+        below = (gap.span.high <= 0.0) & ~above
+        found = b
+        if not (above | below).all():
+            found = _selected(below, b, combined((b, 1.0), (self._positive(gap), sign)))
+        return _selected(above, a, found)
 
     def _positive(self, x: Form) -> Form:
         """Return max(x, 0): between λ x and λ (x − low), where λ = high/(high − low)."""
         low, high = x.span.low, x.span.high
-        if np.all(low >= 0.0):
-            return x
         known = np.isfinite(low) & np.isfinite(high)
         open_ = known & (low < 0.0) & (high > 0.0)
         share = np.where(open_, high / np.where(open_, high - low, 1.0), low >= 0.0)
@@ -216,22 +276,37 @@ class FormNumbers:
         half = np.where(open_, 0.5 * most * ENLARGED, np.where(known, 0.0, np.inf))
         return self.kept(combined((x, share), (self.at(half, half), 1.0)))
 
-    def _by_slopes(self, operation: str, arguments: list[Form]) -> Any:
-        if not any(x.moves for x in arguments):
-            plain = applied(operation, [Slope(Spans(x.centre, x.centre), {}) for x in arguments])
-            return plain if isinstance(plain, bool) else self.of(plain.value)
-        spans = [Slope(x.span, {str(k): ONE} if x.moves else {}) for k, x in enumerate(arguments)]
-        over = applied(operation, spans)
-        if isinstance(over, bool):
-            return over
-        at = applied(operation, [Slope(Spans(x.centre, x.centre), {}) for x in arguments]).value
+    def _compared(self, operation: str, a: Form, b: Form) -> Truth | bool:
+        """Return whether a < b, a ≤ b or a = b, for each set."""
+        first, second, gap = a.span, b.span, combined((b, 1.0), (a, -1.0)).span
+        above = (gap.low > 0.0) | (first.high < second.low)
+        below = (gap.high < 0.0) | (second.high < first.low)
+        if operation == "equal":
+            point = (first.low == first.high) & (second.low == second.high)
+            truth = Truth(point & (first.low == second.low), above | below)
+        elif operation == "less_equal":
+            truth = Truth(above | (first.high <= second.low), below)
+        else:
+            truth = Truth(above, below | (second.high <= first.low))
+        if truth.yes.all() or truth.no.all():
+            return bool(truth.yes.all())
+        return truth
+
+    def _by_slopes(self, operation: str, arguments: list[Form]) -> Form:
+        """Return a function by the mean value theorem; of points its values."""
+        points = [Slope(Spans(x.centre, x.centre), {}) for x in arguments]
+        at = applied(operation, points).value
+        still = np.all([x.reach == 0.0 for x in arguments], axis=0)
+        if still.all():
+            return self.of(at)
+        over = applied(operation, [Slope(x.span, {str(k): ONE}) for k, x in enumerate(arguments)])
         terms: list[tuple[Form, Any]] = [(self.of(at), 1.0)]
         for k, x in enumerate(arguments):
             slope = over.along.get(str(k))
             if slope is not None:
                 away = Form(np.zeros_like(x.centre), x.weights, x.rest)
                 terms.append((away, Spans.of(slope)))
-        return self.kept(combined(*terms))
+        return self.kept(_selected(still, self.of(at), combined(*terms)), ~still)
 
     def limit(self, x: Form, low: float, high: float) -> Form:
         """Return ``min(max(x, low), high)``."""
@@ -240,6 +315,15 @@ class FormNumbers:
             if math.isfinite(end):
                 x = self.apply(operation, [x, self.number(end)])
         return Form(x.centre, x.weights, x.rest, ends)
+
+    def excess(self, value: Form, x: Form, low: float, high: float) -> Form:
+        """Return how far a limit has moved x: exactly 0 where it is within."""
+        nothing = total = self.number(0.0)
+        for end, sign in ((low, 1.0), (high, -1.0)):  # max(low − x, 0) − max(x − high, 0)
+            if math.isfinite(end):
+                beyond = combined((self.number(end), sign), (x, -sign))
+                total = combined((total, 1.0), (self._extreme(beyond, nothing, 1.0), sign))
+        return total
 
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Form]) -> Form:
         """Return the conclusion of a rule base: a plane, and a band around it."""
@@ -270,20 +354,29 @@ class FormNumbers:
         """Return sets of fewer symbols: those that count least become a box."""
         forms = [self.kept(form) for form in forms]
         weights = np.stack([form.over(self.symbols) for form in forms])  # (values, symbols, sets)
-        size, count = weights.shape[:2]
-        if count > most * size:
-            sizes = np.abs(weights)
-            share = np.nan_to_num(sizes / np.maximum(sizes.sum(axis=1, keepdims=True), TINY))
-            # Of each set its own, so that it does not matter beside which others it is followed.
-            order = np.argsort(share.max(axis=0) - share.sum(axis=0), axis=0, kind="stable")
-            weights = np.take_along_axis(weights, order[None], axis=1)
-            stay = (most // 2) * size
-            box = np.abs(weights[:, stay:]).sum(axis=1) * ENLARGED
-            sides = np.zeros((size, size, box.shape[1]))
-            sides[np.arange(size), np.arange(size)] = box
-            weights = np.concatenate([weights[:, :stay], sides], axis=1)
-        self.symbols = weights.shape[1]
+        if not self.symbols:
+            return forms
+        size, sets = len(weights), weights.shape[2]
+        used = (weights != 0.0).any(axis=0)
+        count = used.sum(axis=0)
+        many = count > most * size
+        stay = (most // 2) * size
+        rows = max(int(count[~many].max(initial=0)), (stay + size) * bool(many.any()))
+        # Of each set its own: in their order, but with many those first that matter to most values.
+        sizes = np.abs(weights)
+        all_of_them = np.stack(list(map(_total, sizes)))[:, None]
+        share = np.nan_to_num(sizes / np.maximum(all_of_them, TINY))
+        key = np.where(many, share.max(axis=0) - _total(share), -1.0 * used)
+        order = np.argsort(key, axis=0, kind="stable")
+        weights = np.take_along_axis(weights, order[None], axis=1)
+        fewer = np.zeros((size, rows, sets))
+        fewer[:, : weights.shape[1]] = weights[:, :rows]
+        if many.any():
+            fewer[:, stay:, many] = 0.0
+            for k, rest in enumerate(np.abs(weights[:, stay:])):
+                fewer[k, stay + k, many] = (_total(rest) * ENLARGED)[many]
+        self.symbols = rows
         return [
             Form(form.centre, row, np.zeros_like(form.rest))
-            for form, row in zip(forms, weights, strict=True)
+            for form, row in zip(forms, fewer, strict=True)
         ]

@@ -181,6 +181,10 @@ class LinearSignals:
         half = {name: weight * (ONE - share) / 2 for name, weight in x.parts.items()}
         return LinearSignal(x.rest, {**middle, self.block(half, words): ONE}, lowest, highest)
 
+    def excess(self, value: LinearSignal, x: LinearSignal, low: float, high: float) -> LinearSignal:
+        """Return how far a limit has moved x."""
+        return self._linear("subtract", [value, x])
+
     def _share(
         self, x: LinearSignal, lowest: fmpq | None, highest: fmpq | None, words: str
     ) -> Number:

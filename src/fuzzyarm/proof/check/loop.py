@@ -19,7 +19,7 @@ Analysis*, SIAM 2009, section 8.2.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -141,6 +141,8 @@ class CheckedLoop(System):
         What other memory is before the first period.
     drives : dict of (str, str) to LinearSignal
         Inputs of the plant within its limits, by axis and port: held from one sample to the next.
+    still : set of str
+        What the program remembers and reads beside z: it stays as it begins.
     """
 
     names: tuple[str, ...]
@@ -149,6 +151,7 @@ class CheckedLoop(System):
     seeds: Mapping[str, tuple[Number, Parts]]
     begin: Mapping[str, Number]
     drives: Mapping[Address, LinearSignal]
+    still: Set[str]
 
     def rows_of_drive(self, address: Address) -> list[list[Number]]:
         """Return rows g over z alone: a drive is as far from its rest as the largest |g z|."""
@@ -288,7 +291,7 @@ class _Derivation:
         rows = self._plant_rows(lines, z, inputs)
         rows += [after[key].parts for key in self.memory]
         lines.bounds += self._bounds_of_outputs(z)
-        self._demand_other_memory_is_still(after)
+        still = self._other_memory(after)
         width = [*names, *(f"w{k}" for k in range(len(lines.blocks)))]
 
         def row(parts: Parts) -> list[Number]:
@@ -307,6 +310,7 @@ class _Derivation:
             seeds=seeds,
             begin=begin,
             drives=inputs,
+            still=still,
         )
 
     def _period(
@@ -355,11 +359,13 @@ class _Derivation:
             bounds.append((line.parts, room, f"the bound of '{label}'"))
         return bounds
 
-    def _demand_other_memory_is_still(self, after: Mapping[str, LinearSignal]) -> None:
-        """Refuse memory that is not a row of P, is read, and does not stay as it begins."""
-        for key in self.walk.states_read - set(self.memory):
+    def _other_memory(self, after: Mapping[str, LinearSignal]) -> Set[str]:
+        """Return memory that is read and no row of P; refuse what does not stay as it begins."""
+        others = self.walk.states_read - set(self.memory)
+        for key in others:
             if after[key].parts or not after[key].rest == exact(self.walk.states[key]):
                 raise LoopProofError(f"'{key}' is remembered, and moves")
+        return others
 
     # --- the plant ---
 

@@ -86,19 +86,11 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
     count, size = len(jacobian), len(jacobian[0])
     step = [[ball(x) * h for x in row] for row in jacobian]
     step += [[arb(0)] * size for _ in range(size - count)]
-    norm = max(float_above(sum((x.abs_upper() for x in row), arb(0))) for row in step)
-    norm *= 1.0 + 1e-9
-    # Over halves of a period, one after another: the flow over both is their product.
-    halvings = max(0, math.ceil(norm / SHORT) - 1).bit_length() if math.isfinite(norm) else 99
-    if halvings > MOST_HALVINGS:
-        raise LoopProofError("a period is long compared with the plant's motion")
-    norm /= 2**halvings
-    step = [[x / 2**halvings for x in row] for row in step]
-    last = LAST + 4 * math.ceil(norm)
-    # Terms fall by more than half from there on.
-    tail = arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
     if any(isinstance(x, Spans) for row in step for x in row):
-        return _flows(step, last, float_above(tail), halvings)[:count]
+        return _flows(step)[:count]
+    norm = max(float_above(sum((x.abs_upper() for x in row), arb(0))) for row in step)
+    halvings, last, tail = _terms(norm)
+    step = [[x / 2**halvings for x in row] for row in step]
     total: Matrix = identity(size)
     term = total
     for k in range(1, last + 1):
@@ -111,18 +103,45 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
     return total[:count]
 
 
-def _flows(step: Matrix, last: int, tail: float, halvings: int) -> Matrix:
-    """Return the same sum of many motions at once."""
-    size = len(step)
-    total = term = Matrices(np.eye(size), np.zeros((size, size)))
+def _terms(norm: float) -> tuple[int, int, Number]:
+    """Return how often a period is halved, the last power, and a bound of the terms after it."""
+    norm *= 1.0 + 1e-9
+    # Over halves of a period, one after another: the flow over both is their product.
+    halvings = max(0, math.ceil(norm / SHORT) - 1).bit_length() if math.isfinite(norm) else 99
+    if halvings > MOST_HALVINGS:
+        raise LoopProofError("a period is long compared with the plant's motion")
+    norm /= 2**halvings
+    last = LAST + 4 * math.ceil(norm)
+    # Terms fall by more than half from there on.
+    return halvings, last, arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
+
+
+def _flows(step: Matrix) -> Matrix:
+    """Return the same sum of many motions at once; those of one norm, rounded up, alike."""
     way = Matrices.of(step)
+    norms = ((np.abs(way.near) + way.far).sum(axis=-1).max(axis=-1) * (1.0 + 1e-9)).ravel()
+    if not np.isfinite(norms).all():
+        raise LoopProofError("a period is long compared with the plant's motion")
+    norms = np.exp2(np.ceil(4.0 * np.log2(np.maximum(norms, 2.0**-20))) / 4.0) * (1.0 + 1e-9)
+    total = Matrices(np.zeros_like(way.near), np.zeros_like(way.far))
+    for norm in np.unique(norms):
+        which = (norms == norm).reshape(way.near.shape[:-2])
+        found = _flows_of(Matrices(way.near[which], way.far[which]), *_terms(float(norm)))
+        total.near[which], total.far[which] = found.near, found.far
+    return total.rows
+
+
+def _flows_of(way: Matrices, halvings: int, last: int, tail: Number) -> Matrices:
+    size = way.near.shape[-1]
+    total = term = Matrices(np.eye(size), np.zeros((size, size)))
+    way = way.divided(2**halvings)
     for k in range(1, last + 1):
         term = (term @ way).divided(k)
         total = total + term
-    total = Matrices(total.near, total.far * (1.0 + 1e-12) + tail)
+    total = Matrices(total.near, total.far * (1.0 + 1e-12) + float_above(tail))
     for _ in range(halvings):
         total = total @ total
-    return total.rows
+    return total
 
 
 def around_motion(

@@ -216,6 +216,12 @@ def square(x: Number) -> Number:
 LARGE = 64
 """Magnitude of an exponent above which nothing is computed."""
 
+AT_ZERO = {
+    **dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh", "sqrt"), ZERO),
+    **dict.fromkeys(("cos", "exp", "cosh"), ONE),
+}
+"""Values at 0, exact, so that a loop may rest there."""
+
 GROWING = frozenset({"exp", "sinh", "cosh"})
 
 RISING = frozenset({"sqrt", "exp", "log", "asin", "atan", "sinh", "tanh"})
@@ -229,10 +235,15 @@ def function(name: str, x: Number) -> Number:
     """Return one of :data:`FUNCTIONS`; SpanError where it has no value, or no bound."""
     if name == "absolute":
         return abs(x) if isinstance(x, fmpq) else between(x.abs_lower(), x.abs_upper())
-    if x == 0 and name in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sqrt"):
-        return ZERO  # exactly, so that a loop may rest there
-    if x == 0 and name in ("cos", "exp", "cosh"):
-        return ONE
+    if isinstance(x, Spans):
+        value = _function(name, x)
+        here = (x.low == 0.0) & (x.high == 0.0)
+        return value.chosen(~here, AT_ZERO[name]) if name in AT_ZERO and here.any() else value
+    return AT_ZERO[name] if name in AT_ZERO and x == 0 else _function(name, x)
+
+
+def _function(name: str, x: Number) -> Number:
+    """Return a function, by Arb."""
     if name in GROWING and not magnitude(x) < LARGE:
         raise SpanError("the exponential of a large number")
     at = (least(x), greatest(x)) if name in RISING and not is_point(x) else (x,)

@@ -77,6 +77,8 @@ def _inverse(a: Slope) -> Slope:
 def _function(name: str, a: Slope) -> Slope:
     value = function(name, a.value)
     if name == "absolute":
+        if isinstance(a.value, Spans):
+            return a.scaled(value, a.value.side())
         sides = [ONE] * (not a.value <= 0) + [-ONE] * (not a.value > 0)
         return a.scaled(value, hull(*sides))
     if not a.along:
@@ -114,9 +116,10 @@ def _powered(a: Slope, exponent: fmpq) -> Slope:
 def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
     """Return the smaller or the larger of two."""
     first, second = (a, b) if smaller else (b, a)
-    if first.value <= second.value:
+    many = isinstance(a.value, Spans) or isinstance(b.value, Spans)
+    if not many and first.value <= second.value:
         return a
-    if second.value <= first.value:
+    if not many and second.value <= first.value:
         return b
     one, other = ball(a.value), ball(b.value)
     if isinstance(other, Spans):
@@ -124,7 +127,14 @@ def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
     value = one.min(other) if smaller else one.max(other)
     # Either may be the one: its slopes are among the hull of both.
     names = {*a.along, *b.along}
-    return Slope(value, {n: hull(a.along.get(n, ZERO), b.along.get(n, ZERO)) for n in names})
+    slopes = {n: hull(a.along.get(n, ZERO), b.along.get(n, ZERO)) for n in names}
+    if isinstance(value, Spans):  # of some sets it is known
+        low, high = Spans.of(first.value), Spans.of(second.value)
+        for one, sure in ((a, low.high <= high.low), (b, high.high <= low.low)):
+            slopes = {
+                n: Spans.of(one.along.get(n, ZERO)).chosen(sure, x) for n, x in slopes.items()
+            }
+    return Slope(value, slopes)
 
 
 def _is_less(a: Slope, b: Slope, *, or_equal: bool) -> bool:
@@ -218,6 +228,10 @@ class SlopeNumbers:
             if math.isfinite(end):
                 x = applied(operation, [x, self.number(end)])
         return x._replace(ends=ends)
+
+    def excess(self, value: Slope, x: Slope, low: float, high: float) -> Slope:
+        """Return how far a limit has moved x."""
+        return value.joined(x.scaled(x.value, -ONE), value.value - x.value)
 
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Slope]) -> Slope:
         """Return the conclusion of a rule base."""

@@ -182,6 +182,10 @@ class Spans:
         near = np.where((self.low <= 0.0) & (self.high >= 0.0), 0.0, near)
         return Spans(near, near)
 
+    def side(self) -> Spans:
+        """Return on which side of 0 they are: the slopes of their magnitudes."""
+        return Spans(np.where(self.low > 0.0, 1.0, -1.0), np.where(self.high <= 0.0, -1.0, 1.0))
+
     def is_exact(self) -> bool:
         """Tell whether all are points."""
         return bool(np.all(self.low == self.high))
@@ -216,9 +220,21 @@ class Spans:
         return lambda: self._function(name)
 
     def _function(self, name: str) -> Spans:
-        """Return a function: waves by a polynomial, others Arb's, interval by interval."""
-        if name in WAVES and bool(np.all(self.abs_upper().low <= WIDE)):
-            return self._wave(name)
+        """Return a function: small waves by a polynomial, others Arb's, interval by interval."""
+        if name in WAVES:
+            small = self.abs_upper().low <= WIDE
+            if small.all():
+                return self._wave(name)
+            if small.any():
+                nothing = Spans(np.zeros_like(self.low), np.zeros_like(self.high))
+                others = Spans(self.low[~small], self.high[~small])._by_arb(name)
+                found = self.chosen(small, nothing)._wave(name)
+                found.low[~small], found.high[~small] = others.low, others.high
+                return found
+        return self._by_arb(name)
+
+    def _by_arb(self, name: str) -> Spans:
+        """Return a function, of each interval once."""
         pairs, where = np.unique(
             np.stack([self.low.ravel(), self.high.ravel()], axis=1), axis=0, return_inverse=True
         )

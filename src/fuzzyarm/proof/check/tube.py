@@ -131,7 +131,7 @@ class Follower:
     Attributes
     ----------
     memory : list of str
-        Symbols of what is remembered and read.
+        Symbols of what is remembered.
     """
 
     @precisely
@@ -147,10 +147,7 @@ class Follower:
             raise LoopProofError("the plant's equations depend on the time")
         self.parameters = parameters_of(problem)
         self._fixed = {key: Slope(x, {}) for key, x in self.parameters.items()}
-        start = [self.numbers.number(span.low) for span in problem.start.values()]
         self.memory = list(self.walk.states)
-        self._controlled(start, [self.numbers.number(x) for x in self.walk.states.values()])
-        self.memory = [name for name in self.walk.states if name in self.walk.states_read]
         self._goals = list(map(self._goal, havens))
 
     @cached_property
@@ -233,8 +230,6 @@ class Follower:
         problem, count = self.problem, len(self.problem.states)
         states = list(now[:count])
         drives, after = self._controlled(states, now[count:], first=first)
-        if not self.walk.states_read <= set(self.memory):
-            raise LoopProofError("the program reads a value that is not followed")
         span = self._within(states, drives, port) if port else None
         x, u = [_point(s) for s in states], [_point(s) for s in drives]
         if self._flow is not None:
@@ -325,11 +320,13 @@ class Follower:
                 group = waiting.pop()
                 self.numbers.sets = len(group.which)
                 self.numbers.symbols = max(len(form.weights) for form in group.now)
+                self.walk.at = ""
                 try:
                     later = self._later(group, last, task, numbers, found)
                 except (LoopProofError, ZeroDivisionError) as error:
                     if len(group.which) == 1:
-                        why = self.numbers.why if self.numbers.lost.any() else str(error)
+                        of = f"'{self.walk.at}': " * bool(self.walk.at)
+                        why = self.numbers.why if self.numbers.lost.any() else f"{of}{error}"
                         found[int(group.which[0])] = Followed(group.period, why)
                     else:  # one of them is at fault, or they take different branches
                         waiting += _halves(group)
@@ -429,13 +426,10 @@ class Follower:
     # --- regions ---
 
     def _goal(self, haven: Haven) -> tuple[list[int], list[int], Any, float]:
-        """Return the coordinates of z, of memory that stays, F and s: P < (1 + s) Fᵀ F."""
+        """Return the coordinates of z, of memory that has to stay, F and s: P < (1 + s) FᵀF."""
         places = {name: k for k, name in enumerate((*self.problem.states, *self.memory))}
         memory = haven.proof.evidence.memory
-        known = [places.get(memory.get(name, name)) for name in haven.proof.states]
-        if any(k is None for k in known):
-            raise LoopProofError("a region of memory that is not read")
-        order = [k for k in known if k is not None]
+        order = [places[memory.get(name, name)] for name in haven.proof.states]
         plain = np.array([[float(x) for x in row] for row in haven.proof.p])
         scale = np.sqrt(np.diag(plain))  # states differ in unit by orders of magnitude
         factor = np.linalg.cholesky(plain / scale[:, None] / scale[None, :]).T * scale[None, :]
@@ -446,8 +440,7 @@ class Follower:
             larger = [[square[i][j] * exact(1.0 + slack) - exact(haven.proof.p[i][j])
                        for j in size] for i in size]  # fmt: skip
             if is_positive_definite(larger):
-                others = [k for k in range(len(places)) if k not in order]
-                return order, others, factor, slack
+                return order, [places[name] for name in haven.loop.still], factor, slack
         raise LoopProofError("the region is too flat for its factors as floats")
 
     def _level(self, number: int, now: Sequence[Form]) -> Vector:

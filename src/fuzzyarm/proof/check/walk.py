@@ -8,7 +8,7 @@ controller: sensors and actuators.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 from fuzzyarm.control.controllers import kernel as code
@@ -21,7 +21,7 @@ from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.symbolic.identifiers import Names, identifier
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol
+from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply
 from fuzzyarm.symbolic.sources import VALUE
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import INPUTS, VALUES
@@ -36,10 +36,13 @@ class NumberSystem(Protocol):
         """Return a number of the program: the double that it is."""
 
     def apply(self, operation: str, arguments: list[Any]) -> Any:
-        """Return an operation; of a condition a bool."""
+        """Return an operation; of a condition a bool, or what chooses between two numbers."""
 
     def limit(self, x: Any, low: float, high: float) -> Any:
         """Return ``min(max(x, low), high)``."""
+
+    def excess(self, value: Any, x: Any, low: float, high: float) -> Any:
+        """Return how far a limit has moved x, which has become `value`."""
 
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Any]) -> Any:
         """Return the conclusion of a rule base."""
@@ -64,6 +67,8 @@ class ProgramWalk:
         Those that begin as what is first seen, whatever stands in `states`.
     states_read : set of str
         Those that the last walk has read, as the period before had left them.
+    at : str
+        The signal or drive that the walk works for, while it does.
     """
 
     def __init__(self, problem: LoopProblem) -> None:
@@ -77,7 +82,8 @@ class ProgramWalk:
             )
         except SourceError as error:
             raise LoopProofError(str(error)) from error
-        self._cell_names = _names_of_states(self._program, self._wiring)
+        self._names = _signals_of(self._program, self._wiring)
+        self._cell_names = _names_of_states(self._program, self._names)
         self.states = {
             name: float(self._program.cells[cell]) for cell, name in self._cell_names.items()
         }
@@ -90,6 +96,7 @@ class ProgramWalk:
                 self.states[f"driven:{'.'.join(address)}"] = actuator.idle
             self.states |= dict.fromkeys(self._queue("pending", address, actuator), actuator.idle)
         self.states_read: set[str] = set()
+        self.at = ""
 
     def _collect(self, label: str, sensor: Sensor) -> None:
         if sensor.resolution or sensor.noise:
@@ -141,8 +148,10 @@ class ProgramWalk:
         self._after: dict[str, Any] = {}
         measurements = self._sensed(outputs)
         self._cells = self._given(measurements)
-        for instruction in _instructions(self._program):
+        for instruction, name in zip(_instructions(self._program), self._names, strict=True):
+            self.at = name[1]
             self._carry_out(*instruction)
+        self.at = ""
         drives: dict[Address, Any] = {}
         for address, cell in self._wiring.drives.items():
             port, value = self._port("drive", address), self._load(cell)
@@ -219,7 +228,7 @@ class ProgramWalk:
         low, high = (float(self._program.cells[state + k]) for k in (code.LOW, code.HIGH))
         value = self._numbers.limit(x, low, high)
         if state + code.OVER in self._cell_names:
-            self._keep(state + code.OVER, self._numbers.apply("subtract", [value, x]))
+            self._keep(state + code.OVER, self._numbers.excess(value, x, low, high))
         return value
 
     def _slewed(self, x: Any, state: int) -> Any:
@@ -304,7 +313,7 @@ class ProgramWalk:
             assert isinstance(node, Apply)
             operation, arguments = node.operation, node.arguments
             if operation == "where":
-                return value(arguments[1] if value(arguments[0]) else arguments[2])
+                return self._chosen(value, *arguments)
             # The program asks so whether x is NaN: only memory is that has seen nothing yet.
             if operation == "equal" and arguments[0] is arguments[1]:
                 return getattr(arguments[0], "name", "") not in unseen
@@ -313,6 +322,17 @@ class ProgramWalk:
             return self._applied(node, value)
 
         return value(root)
+
+    def _chosen(self, value: Callable[[Node], Any], asked: Any, a: Node, b: Node) -> Any:
+        """Return a where a condition holds, else b; (p < q ? p : q) is the smaller of both."""
+        compares = isinstance(asked, Apply) and asked.operation in ("less", "less_equal")
+        if compares and asked.arguments in ((a, b), (b, a)):
+            extreme = "minimum" if asked.arguments == (a, b) else "maximum"
+            return self._applied(apply(extreme, *asked.arguments), value)
+        condition = value(asked)
+        if isinstance(condition, bool):
+            return value(a if condition else b)
+        return condition.chosen(self._numbers, value(a), value(b))
 
     def _applied(self, node: Apply, value: Callable[[Node], Any]) -> Any:
         limits = _limits(node)
@@ -386,10 +406,21 @@ class ProgramWalk:
         return value
 
 
-_CONDITIONS: dict[str, Callable[..., bool]] = {
-    "both": lambda value, a, b: value(a) and value(b),
-    "either": lambda value, a, b: value(a) or value(b),
-    "negation": lambda value, a: not value(a),
+def _both(value: Callable[[Node], Any], a: Node, b: Node) -> Any:
+    first = value(a)
+    if isinstance(first, bool):
+        return first and value(b)
+    return first.both(value(b))
+
+
+def _negated(truth: Any) -> Any:
+    return not truth if isinstance(truth, bool) else truth.negated()
+
+
+_CONDITIONS: dict[str, Callable[..., Any]] = {
+    "both": _both,
+    "either": lambda value, a, b: _negated(_both(lambda node: _negated(value(node)), a, b)),
+    "negation": lambda value, a: _negated(value(a)),
 }
 """Conditions that are joined: the second one is looked at where the first does not tell."""
 
@@ -419,10 +450,19 @@ def _fetched(program: ControllerCode, begin: int) -> dict[int, int]:
     return dict(zip(pairs[::2], pairs[1::2], strict=True))
 
 
-def _names_of_states(program: ControllerCode, wiring: Wiring) -> dict[int, str]:
-    """Return the cells that last and are read, each after the signal or drive that it works for."""
+def _signals_of(program: ControllerCode, wiring: Wiring) -> list[Address]:
+    """Return, of each instruction, the axis and the signal or drive that it works for."""
     signals = {cell: key for key, cell in program.signals.items()}
     signals |= {cell: key for key, cell in wiring.drives.items()}
+    names, following = list[Address](), ("", "")
+    for _, into, *_ in reversed(list(_instructions(program))):
+        following = signals.get(into, following)
+        names.append(following)
+    return names[::-1]
+
+
+def _names_of_states(program: ControllerCode, signals: Sequence[Address]) -> dict[int, str]:
+    """Return the cells that last and are read, each after the signal or drive that it works for."""
     instructions = list(_instructions(program))
     limits = {
         b + code.OVER: k
@@ -432,7 +472,7 @@ def _names_of_states(program: ControllerCode, wiring: Wiring) -> dict[int, str]:
     names, found = Names(), dict[int, str]()
 
     def name(cell: int, suffix: str, at: int) -> None:
-        axis, base = next(signals[into] for _, into, *_ in instructions[at:] if into in signals)
+        axis, base = signals[at]
         if cell not in found:
             stem = names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
             found[cell] = f"state:{axis}:{stem}"

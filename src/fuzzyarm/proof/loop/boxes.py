@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -20,9 +21,10 @@ from fuzzyarm.proof.check.certificate import (
     fingerprints_of,
     sensors_by_name,
 )
-from fuzzyarm.proof.check.checking import ends_of_boxes, follow_tubes, refused_box
+from fuzzyarm.proof.check.checking import demand_proved, ends_of_boxes, follow_tubes
 from fuzzyarm.proof.check.region import accepted
-from fuzzyarm.proof.check.tube import Follower, Haven, Task
+from fuzzyarm.proof.check.rules import RuleSurfaces
+from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of
@@ -75,63 +77,24 @@ def certify_tube(
     problem = problem_of(text, claim, plant=plant, sensors=sensors, connect=connect)
     stop = Stop(budget, tell)
     start = tuple((Fraction(x.low), Fraction(x.high)) for x in problem.start.values())
-    try:
-        with stop:
-            follower = Follower(problem, [Haven(accepted(problem, r), r) for r in regions])
-            if regions:
-                most = max(problem.plant.duration or 0.0, claim.begin, 1000 * problem.period)
-                whole = TubeProof(start, math.ceil(most / problem.period), ("regions", 0))
-            else:
-                last = claimed_in(problem, claim).last
-                whole = TubeProof(start, 0 if last is None else last + 1)
-            tubes, lost = _followed(follower, claim, [whole], MOST_HALVINGS, stop)
-            if lost:
-                raise LoopProofError(next(iter(lost.values())))
-    except (LoopProofError, TimeOverError) as error:
-        raise LoopProofError(f"no certificate was found: {error}") from error
-    return Certificate(
-        claim, text.path, fingerprints_of(text), tuple(regions), tuple(tubes),
+    if regions:
+        most = max(problem.plant.duration or 0.0, claim.begin, 1000 * problem.period)
+        whole = TubeProof(start, math.ceil(most / problem.period), ("regions", 0))
+    else:
+        last = claimed_in(problem, claim).last
+        whole = TubeProof(start, 0 if last is None else last + 1)
+    certificate = Certificate(
+        claim, text.path, fingerprints_of(text), tuple(regions), (),
         sensors_by_name(problem), dict(connect or {}), loop_digests(text, problem.plant),
         delays=delays_by_name(problem.plant),
     )  # fmt: skip
-
-
-def _followed(
-    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof], halvings: int, stop: Stop
-) -> tuple[list[TubeProof], dict[TubeProof, str]]:
-    """Return tubes that the checker follows, halved so often at most; and others, with reasons."""
-    wide = [
-        k for k, ends in enumerate(zip(*(tube.box for tube in tubes), strict=True))
-        if any(low < high for low, high in ends)
-    ]  # fmt: skip
-    found: list[TubeProof] = []
-    lost: dict[TubeProof, str] = {}
-    for depth in range(halvings + 1):
-        waiting: list[TubeProof] = []
-        for tube, followed in zip(tubes, follow_tubes(follower, claim, tubes), strict=True):
-            if not followed.against:
-                found.append(tube._replace(periods=followed.periods))
-            elif not wide or depth == halvings:
-                lost[tube] = followed.against
-            else:  # along each of the states in turn
-                waiting += _halves(tube, wide[depth % len(wide)])
-        tubes = waiting
-        if not tubes:
-            break
-        stop.check(len(found) + len(tubes))
-    return found, lost
-
-
-def _halves(tube: TubeProof, axis: int) -> list[TubeProof]:
-    low, high = tube.box[axis]
-    middle = Fraction(0.5 * float(low) + 0.5 * float(high))
-    return [
-        tube._replace(box=(*tube.box[:axis], ends, *tube.box[axis + 1 :]))
-        for ends in ((low, middle), (middle, high))
-    ]
-
-
-# ── maps ─────────────────────────────────────────────────────────────────────────────
+    try:
+        found = _Halving(problem, certificate, [whole], problem.states, MOST_HALVINGS, stop)
+        if found.lost:
+            raise LoopProofError(next(iter(found.lost.values())))
+        return found.certificate()
+    except (LoopProofError, TimeOverError) as error:
+        raise LoopProofError(f"no certificate was found: {error}") from error
 
 
 def certify_map(
@@ -161,60 +124,86 @@ def certify_map(
     (Certificate, dict of box to str)
         And the boxes that are not in it, with the reason.
     """
-    claim, found = whole.claim, list[TubeProof]()
-    waiting = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
-    wide = [k for k, name in enumerate(problem.states) if name in {n for n, *_ in whole.window}]
-    reasons: dict[Box, str] = {}
-    try:
-        with stop:
-            haven = Haven(accepted(problem, whole.region), whole.region)
-            follower = Follower(problem, [haven])
+    tubes = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
+    names = [name for name, *_ in whole.window]
+    found = _Halving(problem, whole, tubes, names, halvings, stop)
+    return found.certificate(), {tube.box: reason for tube, reason in found.lost.items()}
+
+
+class _Halving:
+    """Boxes that the checker is asked to follow; those that it does not follow are halved.
+
+    Attributes
+    ----------
+    found : list of TubeProof
+        Those that it follows.
+    lost : dict of TubeProof to str
+        Those that it does not, and why.
+    """
+
+    def __init__(
+        self, problem: LoopProblem, whole: Certificate, tubes: Sequence[TubeProof],
+        names: Sequence[str], halvings: int, stop: Stop,
+    ) -> None:  # fmt: skip
+        self.problem, self.whole = problem, whole
+        self.found: list[TubeProof] = []
+        self.lost = dict.fromkeys(tubes, "time ran out before the checker had followed it")
+        self.surfaces = RuleSurfaces()
+        wide = [
+            k for k, name in enumerate(problem.states)
+            if name in names and any(low < high for low, high in (tube.box[k] for tube in tubes))
+        ]  # fmt: skip
+        with contextlib.suppress(TimeOverError), stop:
+            havens = [Haven(accepted(problem, r, self.surfaces), r) for r in whole.regions]
+            self.follower = Follower(problem, havens, self.surfaces)
             for depth in range(halvings + 1):
-                waiting = _arriving(follower, claim, waiting, found, reasons)
-                while waiting and not follower.memory:
-                    before = len(found)
-                    waiting = _joining(follower, waiting, found)
-                    if len(found) == before:
-                        break
-                if depth < halvings:
-                    axis = wide[depth % len(wide)]
-                    waiting = [half for tube in waiting for half in _halves(tube, axis)]
-    except TimeOverError:
-        reasons = {tube.box: "time ran out before the checker had followed it" for tube in waiting}
-    refused = refused_box(follower, claim, found) if found else None
-    if refused is not None:
-        raise LoopProofError("followed anew, box {} is refused: {}".format(*refused))
-    return replace(whole, tubes=tuple(found)), {
-        tube.box: reasons.get(tube.box, "the checker does not follow it") for tube in waiting
-    }
+                self._follow(list(self.lost))
+                if not self.lost or not wide or depth == halvings:
+                    break
+                axis = wide[depth % len(wide)]
+                self.lost = {
+                    half: why for tube, why in self.lost.items() for half in _halves(tube, axis)
+                }
+                stop.check(len(self.found) + len(self.lost))
+
+    def _follow(self, tubes: Sequence[TubeProof]) -> None:
+        """Take in the boxes that are followed to their end."""
+        results = follow_tubes(self.follower, self.whole.claim, tubes)
+        for tube, followed in zip(tubes, results, strict=True):
+            self._take(tube, followed)
+        while self.whole.window and self.lost and self.found and not self.follower.memory:
+            # Of a map whose loop remembers nothing, those also that lead into others before them.
+            ends = ends_of_boxes([tube.box for tube in self.found])
+            count, waiting = len(self.found), list(self.lost)
+            results = self.follower.follow(
+                [tube.box for tube in waiting], [tube.periods for tube in waiting],
+                Task(boxes=ends, any_period=True),
+            )  # fmt: skip
+            for tube, followed in zip(waiting, results, strict=True):
+                self._take(tube, followed, joined=count)
+            if len(self.found) == count:
+                break
+
+    def _take(self, tube: TubeProof, followed: Followed, *, joined: int = 0) -> None:
+        if not followed.against:
+            del self.lost[tube]
+            way = tube._replace(into=("tubes", joined)) if joined else tube
+            self.found.append(way._replace(periods=followed.periods))
+        elif not joined:
+            self.lost[tube] = followed.against
+
+    def certificate(self) -> Certificate:
+        """Return the certificate of what was found; the checker has accepted it as it stands."""
+        certificate = replace(self.whole, tubes=tuple(self.found))
+        if self.found:
+            demand_proved(self.problem, certificate, self.surfaces)
+        return certificate
 
 
-def _arriving(
-    follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof], found: list[TubeProof],
-    reasons: dict[Box, str],
-) -> list[TubeProof]:  # fmt: skip
-    """Take in the boxes that lead into the region; return the others."""
-    waiting = []
-    for tube, followed in zip(tubes, follow_tubes(follower, claim, tubes), strict=True):
-        if followed.against:
-            waiting.append(tube)
-            reasons[tube.box] = followed.against
-        else:
-            # Beside other boxes its symbols may be taken together otherwise, and arrive later.
-            found.append(tube._replace(periods=followed.periods + 5 + followed.periods // 8))
-    return waiting
-
-
-def _joining(
-    follower: Follower, tubes: Sequence[TubeProof], found: list[TubeProof]
-) -> list[TubeProof]:
-    """Take in the boxes that lead into those before them; return the others."""
-    task = Task(boxes=ends_of_boxes([tube.box for tube in found]), any_period=True)
-    boxes, periods = [tube.box for tube in tubes], [tube.periods for tube in tubes]
-    count, waiting = len(found), []
-    for tube, followed in zip(tubes, follower.follow(boxes, periods, task), strict=True):
-        if followed.against:
-            waiting.append(tube)
-        else:
-            found.append(TubeProof(tube.box, followed.periods, ("tubes", count)))
-    return waiting
+def _halves(tube: TubeProof, axis: int) -> list[TubeProof]:
+    low, high = tube.box[axis]
+    middle = Fraction(0.5 * float(low) + 0.5 * float(high))
+    return [
+        tube._replace(box=(*tube.box[:axis], ends, *tube.box[axis + 1 :]))
+        for ends in ((low, middle), (middle, high))
+    ]

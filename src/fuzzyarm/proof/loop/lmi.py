@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +49,11 @@ class Inequality:
 
     def at(self, y: Vector) -> Vector:
         """Return F(y), shape (r, n, n)."""
-        return np.asarray(self.constant + np.tensordot(y, self.parts, 1))
+        return np.asarray(self.constant + (y @ self._rows).reshape(self.constant.shape))
+
+    @cached_property
+    def _rows(self) -> Vector:
+        return self.parts.reshape(len(self.parts), -1)
 
 
 def feasible_point(
@@ -110,7 +116,7 @@ def minimise(
     size = sum(inequality.size for inequality in inequalities)
     y = start
     scale = abs(float(cost @ start)) or 1.0
-    weight = 1.0 / scale
+    weight = 0.1 * size / scale  # less would lead back to the middle
     while True:
         for _ in range(4):
             if stop.now:
@@ -128,8 +134,11 @@ def minimise(
 def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tuple[Vector, float]:
     """Return the next point of Newton's method on the barrier, and the decrement."""
     gradient, hessian = cost.copy(), np.zeros((len(y), len(y)))
+    here = float(cost @ y)
     for inequality in inequalities:
-        half: Vector = np.linalg.inv(np.linalg.cholesky(inequality.at(y)))
+        root = np.linalg.cholesky(inequality.at(y))
+        here -= _logarithm(root)
+        half: Vector = np.linalg.inv(root)
         scaled = half @ inequality.parts @ half.swapaxes(1, 2)  # (k, r, n, n)
         flat = scaled.reshape(len(y), -1)
         gradient -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
@@ -143,22 +152,31 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
     # Damped steps stay inside by theory, longer ones are tried first.
     for factor in (1.0, 0.5, 0.25, step):
         near = y + factor * way
-        if all(_is_positive(inequality.at(near)) for inequality in inequalities) and (
-            _barrier(inequalities, cost, near) <= _barrier(inequalities, cost, y)
-        ):
+        if _barrier(inequalities, cost, near) <= here:
             return near, decrement
     shrunk = 0.5 * step
     while shrunk > 1e-12:
         near = y + shrunk * way
-        if all(_is_positive(inequality.at(near)) for inequality in inequalities):
+        if _barrier(inequalities, cost, near) < math.inf:
             return near, decrement
         shrunk *= 0.5
     return y, 0.0
 
 
 def _barrier(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> float:
-    logs = [np.linalg.slogdet(inequality.at(y))[1].sum() for inequality in inequalities]
-    return float(cost @ y - sum(logs))
+    """Return the cost less the logarithms of the determinants; infinite outside."""
+    total = float(cost @ y)
+    for inequality in inequalities:
+        try:
+            total -= _logarithm(np.linalg.cholesky(inequality.at(y)))
+        except np.linalg.LinAlgError:
+            return math.inf
+    return total if math.isfinite(total) else math.inf
+
+
+def _logarithm(factors: NDArray[np.floating[Any]]) -> float:
+    """Return the logarithm of the determinants of matrices, by their triangular factors."""
+    return 2.0 * float(np.log(np.diagonal(factors, axis1=1, axis2=2)).sum())
 
 
 def _is_positive(matrix: Vector) -> bool:

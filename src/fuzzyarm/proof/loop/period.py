@@ -125,7 +125,8 @@ class LoopPeriod(Generic[T]):
             address: self._actuated(address, port, sums)
             for address, port in self.problem.site.interface.inputs.items()
         }
-        return inputs, self._after
+        stays = {name: self._state(name) for name in self.memory if name not in self._after}
+        return inputs, self._after | stays  # of a drive without a limit nothing is in excess
 
     def _port(self, kind: str, address: Address) -> Address:
         return self.problem.site.find(self.problem.text.model, kind, address)

@@ -217,6 +217,10 @@ def prove_loop(
     return case.verdict()
 
 
+SEARCHED = 0.75
+"""Of the time for a region, what the search may take."""
+
+
 class _Case:
     """One claim on trial."""
 
@@ -341,7 +345,9 @@ class _Case:
         reason = "no quadratic function was found that falls"
         good: list[Proposal] = []
         verdict: LoopVerdict | None = None
-        for proposal in proposals(maker, claim, stop, continuous=self.continuous, target=bounds):
+        # What is found has to be judged within the time, too.
+        search = stop if claim.output else Stop(SEARCHED * stop.left, stop.tell)
+        for proposal in proposals(maker, claim, search, continuous=self.continuous, target=bounds):
             self.attempts += 1
             self.stop.say(self.attempts)
             if isinstance(proposal, str):
@@ -367,7 +373,7 @@ class _Case:
                 reason = against or reason
                 if verdict is not None:
                     return verdict
-        over = "time ran out" if stop.now else reason
+        over = "time ran out" if search.now else reason
         return self._said(UNDECIDED, reason=over, rest=_plain(maker.rest))
 
     def _judged(

@@ -584,8 +584,9 @@ class Prover:
         bounds: dict[int, tuple[float, float, Point]] = {}
         for sign, reached, bound, at in ends:
             if self.exact:
-                high = as_fraction(bound) * sign + as_fraction(shift)
-                outer = _outward(high, sign)
+                outer = sign * math.inf  # where time ran out before anything was bounded
+                if math.isfinite(float(bound)):
+                    outer = _outward(as_fraction(bound) * sign + as_fraction(shift), sign)
                 inner = float(as_fraction(reached) * sign + as_fraction(shift))
             else:
                 outer = float(bound) * sign + float(shift)
