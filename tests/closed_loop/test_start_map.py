@@ -12,19 +12,35 @@ import pytest
 import fuzzyarm
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.plant import find_plant
-from fuzzyarm.proof.claim.problem import ClaimError
-from fuzzyarm.proof.loop import StartMap
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
+from fuzzyarm.proof.claim.text import problem_of
+from fuzzyarm.proof.loop import StartMap, read_claim
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
 from fuzzyarm.proof.loop.planes import RulePlanes
+from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.start_map import MappedBox, _remaining
+from fuzzyarm.proof.loop.symmetry import is_odd
 from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.requests.prove import ProveRequest
 
 WINDOW = "position in 0.25 .. 0.5, velocity in 0 .. 2"
 
 SERVO = fuzzyarm.shipped("servo.frb")
+
+CLIFF = """from fuzzyarm.plant import Plant, Port
+
+
+class Cliff(Plant):
+    name = "cliff"
+    inputs = {"push": Port("N", -1.0, 1.0)}
+    outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}
+    states = {"y": "m"}
+
+    def derivative(self, t, x, u, p):
+        return [0.5 * x[0] + u[0]]
+"""
 
 
 @pytest.fixture(scope="module")
@@ -255,3 +271,58 @@ def _cartpole_period(states: np.ndarray) -> np.ndarray:
         d = rates(states + 0.005 * c)
         states = states + 0.005 / 6.0 * (a + 2.0 * b + 2.0 * c + d)
     return states
+
+
+def loop_of(controller: str, plant: str, start: str) -> LoopProblem:
+    text = fuzzyarm.load_controller(fuzzyarm.shipped(controller))
+    return problem_of(text, read_claim(f"stable from {start}", plant))
+
+
+def test_an_odd_loop_is_told_from_one_that_is_nearly_odd() -> None:
+    window = "position in -1 .. 1, velocity in -2 .. 2"
+    assert is_odd(loop_of("servo.frb", "motor", window))
+    assert is_odd(loop_of("ball-and-beam.frb", "ball-and-beam", "position in -0.1 .. 0.1"))
+    # Whose opposite starts are not all in the window, or that is driven to another place.
+    assert not is_odd(loop_of("servo.frb", "motor", "position in -1 .. 1.5"))
+    text = fuzzyarm.load_controller(fuzzyarm.shipped("servo.frb"))
+    claim = read_claim(f"stable at position = 0.1 from {window}", "motor")
+    assert not is_odd(problem_of(text, claim))
+    loaded = read_claim(f"stable with T in 0 .. 0.1 from {window}", "motor")
+    assert not is_odd(problem_of(text, loaded))
+    # Terms of its output are opposite but for the last bit.
+    assert not is_odd(loop_of("cartpole.frb", "cartpole", "theta in -0.1 .. 0.1"))
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["q = p * p\n  drive push = q", "drive push = p, within -1 .. 0.5", "drive push = p + 0.1"],
+)
+def test_a_line_that_is_not_odd_makes_the_loop_not_odd(line: str, tmp_path: Path) -> None:
+    (tmp_path / "cliff.py").write_text(CLIFF)
+    path = tmp_path / "c.frb"
+    text = "controller c\nperiod 10 ms\naxis a\n  e = error of y\n  p = e * 2\n  {}\n"
+    plant = str(tmp_path / "cliff.py")
+    for last, odd in (("drive push = p", True), (line, False)):
+        path.write_text(text.format(last))
+        claim = read_claim("stable from y in -1 .. 1", plant)
+        problem = problem_of(fuzzyarm.load_controller(path), claim, plant=find_plant(plant))
+        assert is_odd(problem) == odd
+
+
+@pytest.mark.parametrize(
+    ("plant", "start"), [("motor", {"position": 0.7, "velocity": -9.0}),
+                         ("ball-and-beam", {"position": 0.12, "angle": -0.1})],
+)  # fmt: skip
+def test_runs_of_an_odd_loop_from_opposite_starts_are_opposite(
+    plant: str, start: dict[str, float]
+) -> None:
+    name = "servo.frb" if plant == "motor" else f"{plant}.frb"
+    window = ", ".join(f"{n} in {-abs(x)} .. {abs(x)}" for n, x in start.items())
+    problem = loop_of(name, plant, window)
+    assert is_odd(problem)
+    one, two = (
+        run_of(problem, {n: sign * start.get(n, 0.0) for n in problem.states}, {}, duration=0.5)
+        for sign in (1.0, -1.0)
+    )
+    for name, course in one.outputs.items():
+        assert np.allclose(course, -two.outputs[name], atol=1e-9 * (1 + np.abs(course).max()))

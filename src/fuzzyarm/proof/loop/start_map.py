@@ -47,6 +47,7 @@ from fuzzyarm.proof.loop.follower import Box, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.pool import ARRIVED, LOST, Fate, Pool
 from fuzzyarm.proof.loop.runs import run_of
+from fuzzyarm.proof.loop.symmetry import is_odd
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.verdicts import prove_loop
 from fuzzyarm.proof.loop.zonotope import Forms
@@ -98,6 +99,12 @@ class MappedBox(NamedTuple):
     verdict: str
     periods: int
     reason: str = ""
+
+    @property
+    def opposite(self) -> MappedBox:
+        """What an odd loop has on the other side of its rest."""
+        low, high = (tuple(0.0 - x for x in ends) for ends in (self.high, self.low))
+        return self._replace(low=low, high=high)
 
 
 @json_properties(
@@ -275,6 +282,7 @@ class _Case:
     connect: Mapping[str, str] | None
     sensors: Mapping[str, Sensor] | None
     certificate: Certificate
+    odd: bool
 
     def problem(self) -> LoopProblem:
         """Return the loop."""
@@ -301,6 +309,7 @@ class _Worker:
         self.first = self.pool.follower.first
         self.middle = self._rest()
         self.known: set[MappedBox] = set()
+        self.odd = case.odd
         self.cover = self._cover(problem)
 
     def _cover(self, problem: LoopProblem) -> Cover | None:
@@ -344,7 +353,8 @@ class _Worker:
         for box in boxes:
             if self.cover is not None and box.verdict == PROVED and box not in self.known:
                 self.known.add(box)
-                self.cover.add(box.low, box.high)
+                for each in (box, box.opposite) if self.odd else (box,):
+                    self.cover.add(each.low, each.high)
 
     def tiles(self) -> list[Box]:
         """Return the parts of the window to begin with."""
@@ -352,6 +362,8 @@ class _Worker:
         while len(boxes) < TILES:
             way = int(np.argmin(boxes[0].halvings)) if ways else 0
             boxes = [half for box in boxes for half in box.halves(way)]
+        if self.odd:  # the others are opposite to these
+            boxes = [box for box in boxes if box.high > tuple(0.0 - x for x in box.low)]
         return sorted(boxes, key=self.distance)
 
     def distance(self, box: Box) -> float:
@@ -595,9 +607,11 @@ class _Map:
         if verdict.certificate is None:
             why = verdict.reason or "; ".join(verdict.evidence)  # of a refuted loop
             return self._without_region(why)
+        self.odd = is_odd(self.problem)
         case = _Case(
-            self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate
-        )
+            self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate,
+            self.odd,
+        )  # fmt: skip
         try:
             if self.search.journal is not None:
                 self._open(self.search.journal)
@@ -728,7 +742,13 @@ class _Map:
                 self.work = seconds
                 self._heard(boxes)
 
+    def _with_opposites(self, boxes: Sequence[MappedBox]) -> list[MappedBox]:
+        if not self.odd:
+            return list(boxes)
+        return list(dict.fromkeys(each for box in boxes for each in (box, box.opposite)))
+
     def _heard(self, boxes: Sequence[MappedBox]) -> None:
+        boxes = self._with_opposites(boxes)
         self.boxes += boxes
         if self.journal is not None:
             self.journal.append(map(_row, (box for box in boxes if box.verdict != OPEN)))
@@ -743,9 +763,10 @@ class _Map:
         """Begin a journal, or go on with it."""
         ends = [f"{name} {end}" for name in self.window for end in ("from", "to")]
         question = question_of(
-            {"map": self._map().statement, "window": {n: list(s) for n, s in self.window.items()}},
+            {"map": self._map().statement, "window": {n: list(s) for n, s in self.window.items()},
+             "odd": self.odd},
             {},
-        )
+        )  # fmt: skip
         question["files"] = {
             **fingerprints_of(self.text), **loop_digests(self.text, self.plant)
         }  # fmt: skip
@@ -754,7 +775,7 @@ class _Map:
             option="--resume",
         )  # fmt: skip
         if journal.path.is_file() and journal.path.stat().st_size:
-            self.boxes = journal.read(lambda _, row: _read_row(row))
+            self.boxes = self._with_opposites(journal.read(lambda _, row: _read_row(row)))
         else:
             journal.begin()
 

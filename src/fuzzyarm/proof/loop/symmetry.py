@@ -1,0 +1,241 @@
+"""Odd loops: what holds of a start holds of the opposite one, so that half of a map is enough.
+
+A loop is odd if, with all states and all memory turned over, a period gives the opposite inputs of
+the plant, memory, rates and outputs. Every number of the walk is a constant, odd or even in those;
+what is neither, or not known to be, makes the loop not odd.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Hedged,
+    Is,
+    Or,
+    Output,
+    Rule,
+    RuleBase,
+    Shape,
+    Variable,
+)
+from fuzzyarm.language.model.shapes import polyline
+from fuzzyarm.proof.claim.problem import LoopProblem
+from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
+from fuzzyarm.symbolic.evaluation import specialise
+from fuzzyarm.symbolic.kinds import SHAPES
+from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.table import LookupTable
+
+__all__ = ["is_odd"]
+
+ODD, EVEN = "odd", "even"
+
+Parity = float | str
+"""A constant, or what it does when all is turned over."""
+
+ODD_FUNCTIONS = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh"})
+EVEN_FUNCTIONS = frozenset({"cos", "cosh", "absolute"})
+
+
+class _NotOddError(Exception):
+    """Something that is neither odd nor even, as far as is known."""
+
+
+def is_odd(problem: LoopProblem) -> bool:
+    """Tell whether a loop is known to be odd, its starts outside of a window included."""
+    turned = all(-span.low in (span.high, math.inf) for span in problem.start.values())
+    if not turned or any(problem.set_point.values()):
+        return False
+    try:
+        _demand_odd(problem)
+    except (_NotOddError, FuzzyarmError):
+        return False
+    return True
+
+
+def _demand_odd(problem: LoopProblem) -> None:
+    equations, interface = problem.equations, problem.site.interface
+    values: dict[str, Parity] = dict.fromkeys((*equations.states, *equations.inputs), ODD)
+    values |= dict.fromkeys(equations.parameters, EVEN)
+    values |= problem.constants
+    algebra = _Parities()
+    rates = [algebra.expression(root, values) for root in equations.rates]
+    outputs = [algebra.expression(root, values) for root in equations.outputs]
+    period = LoopPeriod[Parity](problem, algebra)
+    if any(start for start in period.memory.values() if not math.isnan(start)):
+        raise _NotOddError
+    seen = dict(zip(interface.outputs, outputs, strict=True))
+    for first in (True, False):
+        memory = {} if first else dict.fromkeys(period.memory, ODD)
+        inputs, after = period.run(seen, memory, first=first)
+        for x in (*rates, *outputs, *inputs.values(), *after.values()):
+            _demand(x)
+
+
+def _demand(x: Parity) -> None:
+    if x not in (ODD, 0.0):
+        raise _NotOddError
+
+
+class _Parities(LoopAlgebra[Parity]):
+    """Constants, and what is odd or even."""
+
+    def number(self, value: float) -> Parity:
+        """Return a number of the file."""
+        return float(value)
+
+    def add(self, a: Parity, b: Parity) -> Parity:
+        """Return a sum of what is of one kind."""
+        if isinstance(a, float) and isinstance(b, float):
+            return a + b
+        if 0.0 in (a, b):
+            return b if a == 0.0 else a
+        if _kind(a) != _kind(b):
+            raise _NotOddError
+        return _kind(a)
+
+    def subtract(self, a: Parity, b: Parity) -> Parity:
+        """Return a difference."""
+        return self.add(a, -b if isinstance(b, float) else b)
+
+    def multiply(self, a: Parity, b: Parity) -> Parity:
+        """Return a product."""
+        if isinstance(a, float) and isinstance(b, float):
+            return a * b
+        if 0.0 in (a, b):
+            return 0.0
+        return EVEN if _kind(a) == _kind(b) else ODD
+
+    def divide(self, a: Parity, b: Parity) -> Parity:
+        """Return a quotient."""
+        if isinstance(a, float) and isinstance(b, float) and b:
+            return a / b
+        return self.multiply(a, ODD if b == ODD else EVEN)
+
+    def limit(self, x: Parity, low: float, high: float) -> Parity:
+        """Return ``min(max(x, low), high)``."""
+        if isinstance(x, float):
+            return min(max(x, low), high)
+        if x == ODD and low != -high:
+            raise _NotOddError
+        return x
+
+    def near(self, x: Parity, before: Parity, most: float) -> Parity:
+        """Return ``min(max(x, before - most), before + most)``."""
+        return self.add(x, before)
+
+    def expression(self, root: Node, values: Mapping[str, Parity]) -> Parity:
+        """Return the kind of an expression."""
+        constants = {name: x for name, x in values.items() if isinstance(x, float)}
+        root = specialise(root, constants)
+        found: dict[Node, Parity] = {}
+        for node in postorder(root):
+            if isinstance(node, Constant):
+                found[node] = node.value
+            elif isinstance(node, Symbol):
+                found[node] = values[node.name]
+            else:
+                assert isinstance(node, Apply)
+                found[node] = self._applied(node.operation, [found[x] for x in node.arguments])
+        return found[root]
+
+    def _applied(self, operation: str, of: list[Parity]) -> Parity:
+        if operation in ("add", "subtract", "multiply", "divide"):
+            found: Parity = getattr(self, operation)(*of)
+            return found
+        if operation == "negative":
+            return self.subtract(0.0, of[0])
+        if operation in ODD_FUNCTIONS and of[0] in (ODD, 0.0):
+            return of[0]
+        if operation in EVEN_FUNCTIONS or all(_kind(x) == EVEN for x in of):
+            return EVEN
+        if operation == "power" and isinstance(of[1], float) and of[1].is_integer():
+            return EVEN if of[1] % 2 == 0 else _kind(of[0])
+        raise _NotOddError
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, Parity]) -> list[Parity]:
+        """Return the conclusions of a rule base that is odd."""
+        for x in inputs.values():
+            _demand(x)
+        if not _turns(sheet):
+            raise _NotOddError
+        return [ODD for _ in sheet.outputs]
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, Parity]) -> Parity:
+        """Refuse a table."""
+        raise _NotOddError
+
+    def error(self, x: Parity, size: float) -> Parity:
+        """Refuse a sensor with steps."""
+        raise _NotOddError
+
+
+def _kind(x: Parity) -> str:
+    return EVEN if isinstance(x, float) else x
+
+
+# ── rule bases ───────────────────────────────────────────────────────────────────────
+
+
+def _turns(sheet: RuleBase) -> bool:
+    """Tell whether a rule base with all of its terms turned over is itself."""
+    if sheet.is_type2 or not all(_is_plain(output) for output in sheet.outputs):
+        return False
+    names = {v.name: _opposites(v) for v in (*sheet.inputs, *sheet.outputs)}
+    for block in sheet.blocks:
+        rules = Counter(_key(rule, {}) for rule in block.rules)
+        try:
+            if rules != Counter(_key(rule, names) for rule in block.rules):
+                return False
+        except KeyError:  # a term without an opposite
+            return False
+    return True
+
+
+def _is_plain(output: Output) -> bool:
+    way = output.defuzzifier.record
+    plain = way.figure in ("centroid", "average", "weighted") and not (way.inverts or way.both)
+    return plain and output.defuzzifier.resolution is None
+
+
+def _opposites(variable: Variable) -> dict[str, str]:
+    """Return the terms of a variable, each with that which is its mirror image."""
+    if variable.low != -variable.high:
+        return {}
+    by_shape = {_corners(term.shape, 1.0): term.name for term in variable.terms}
+    found = {term.name: by_shape.get(_corners(term.shape, -1.0)) for term in variable.terms}
+    return {name: other for name, other in found.items() if other is not None}
+
+
+def _corners(shape: Shape, sign: float) -> tuple[object, ...]:
+    """Return what tells a shape from others, or its mirror image."""
+    if shape.kind in ("singleton", "linear"):
+        *weights, constant = shape.parameters
+        return shape.kind, *weights, sign * constant
+    if shape.kind == "formula" or not SHAPES[shape.kind].straight:
+        raise _NotOddError
+    corners = [(sign * x + 0.0, y) for x, y in polyline(shape)]
+    return tuple(corners if sign > 0 else corners[::-1])
+
+
+def _key(rule: Rule, names: Mapping[str, Mapping[str, str]]) -> tuple[object, ...]:
+    """Return what a rule says, in the terms that are given for its own."""
+
+    def term(variable: str, name: str) -> str:
+        return names[variable][name] if names else name
+
+    def key(node: object) -> tuple[object, ...]:
+        if isinstance(node, Is):
+            return node.variable, term(node.variable, node.term), node.hedges
+        if isinstance(node, Hedged):
+            return node.hedges, key(node.operand)
+        assert isinstance(node, And | Or)
+        return type(node).__name__, frozenset(Counter(map(key, node.operands)).items())
+
+    then = frozenset((c.variable, term(c.variable, c.term), c.hedges) for c in rule.consequents)
+    return key(rule.antecedent), then, rule.weight
