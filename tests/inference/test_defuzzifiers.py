@@ -14,6 +14,7 @@ from fuzzyarm.inference import InferenceError, infer
 from fuzzyarm.language.model.rulebase import RuleBase, Shape
 from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 from tests.inference.small import base, rule, terms
+from tests.interpreted import interpreted
 from tests.strategies import SMOOTH, STRAIGHT, shapes
 
 BOXES = terms(left=Shape("rectangle", (1.0, 3.0)), right=Shape("rectangle", (6.0, 8.0)))
@@ -51,6 +52,25 @@ def test_sampled_centroid_of_a_hill(sampling: str, expected: float) -> None:
     count = 6 if sampling in {"endpoints", "trapezoid"} else 5
     rulebase = base(RULES, HILLS, resolution=count, sampling=sampling)
     assert both(rulebase, a=1.0, b=0.0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("fired", range(1, 8))
+def test_few_sets_and_many_are_summed_up_in_one_order(fired: int) -> None:
+    """Up to four are united in registers, more are not, nor any by the interpreted kernel."""
+    peaks = np.linspace(1.0, 9.0, 7)
+    sets = {f"s{k}": Shape("triangle", (x - 2.0, x, x + 2.0)) for k, x in enumerate(peaks)}
+    names = [f"i{k}" for k in range(7)]
+    rules = [rule(f"i{k} high", f"u s{k}") for k in range(7)]
+    rulebase = base(rules, terms(**sets), names=names, resolution=101)
+    given = np.random.default_rng(fired).uniform(0.05, 1.0, 7) * (np.arange(7) < fired)
+    at = np.linspace(0.0, 10.0, 101)
+    degrees = np.maximum(0.0, 1.0 - np.abs(at[:, None] - peaks) / 2.0)
+    union = np.minimum(degrees, given).max(axis=1)
+    expected = (union * at).sum() / union.sum()
+    point = dict(zip(names, given.tolist(), strict=True))
+    value = both(rulebase, **point)
+    assert value == pytest.approx(expected, rel=1e-13)
+    assert interpreted(rulebase)(**point)["u"] == value
 
 
 def test_samplings_differ_at_the_ends() -> None:
