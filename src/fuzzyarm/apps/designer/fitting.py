@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.designer.forms import FIT
 from fuzzyarm.apps.designer.grounds import FieldError, at_field
-from fuzzyarm.apps.designer.jobs import WindowJob
+from fuzzyarm.apps.designer.jobs import WindowJob, save_beside, tell_result
 from fuzzyarm.apps.designer.requests import BareMessage, FitWord, FormWork
-from fuzzyarm.apps.designer.results import save_beside, tell_result
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import write_atomically

@@ -12,7 +12,7 @@ import asyncio
 import secrets
 import time
 from collections import OrderedDict
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -24,6 +24,7 @@ from fuzzyarm.apps.designer.records import read_record
 from fuzzyarm.apps.designer.threads import Mailbox, run_to_its_end, wait_for
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.picture import Chart, chart_data
 
 if TYPE_CHECKING:
     from fuzzyarm.apps.designer.stage import Plants
@@ -210,3 +211,45 @@ class WindowJob:
 
     async def _send(self, news: dict[str, Any]) -> None:
         await self._tell({"is": "job", "id": self.number, **news})
+
+
+# --- Results: lines, pictures, files to load, a file beside the text ---
+
+
+def tell_result(
+    job: WindowJob,
+    lines: Sequence[str],
+    charts: Iterable[Chart] = (),
+    *,
+    verdict: str = "",
+    files: Mapping[str, bytes] | None = None,
+    so_far: bool = False,
+) -> None:
+    """Tell a result; another one takes the place of what is so far."""
+    job.tell({
+        "so_far": so_far,
+        "verdict": verdict,
+        "lines": list(lines),
+        "panels": [panel for chart in charts for panel in chart_data(chart)],
+        "files": [
+            {"name": name, "address": job.offer(name, content)}
+            for name, content in (files or {}).items()
+        ],
+    })  # fmt: skip
+
+
+def save_beside(
+    job: WindowJob, name: str, suffix: str, write: Callable[[Path], object], *, replace: bool
+) -> None:
+    """Write a file of the folder, and tell so; one that is there only where a page says so."""
+    try:
+        path = job.folder.beside(name, suffix)
+        if path.exists() and not replace:
+            job.tell({"exists": name})
+            return
+        write(path)
+    except (FuzzyarmError, OSError) as error:
+        job.check()
+        job.tell({"unsaved": str(error)})
+    else:
+        job.tell({"saved": name})

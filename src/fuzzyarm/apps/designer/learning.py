@@ -22,9 +22,8 @@ from fuzzyarm.apps.designer.grounds import (
     seconds_of,
     trajectory_motion_of,
 )
-from fuzzyarm.apps.designer.jobs import WindowJob
+from fuzzyarm.apps.designer.jobs import WindowJob, save_beside
 from fuzzyarm.apps.designer.requests import BareMessage, LearnWord, LearnWork
-from fuzzyarm.apps.designer.results import save_beside
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.apps.show.learning import error_panel
 from fuzzyarm.base.picture import panel_data

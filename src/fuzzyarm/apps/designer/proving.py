@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.designer.exports import model_of
 from fuzzyarm.apps.designer.faults import TextRefusedError
-from fuzzyarm.apps.designer.forms import PROVE, PROVE_LOOP, RequestForm
+from fuzzyarm.apps.designer.forms import MARGINS, PROVE, PROVE_LOOP, RequestForm
 from fuzzyarm.apps.designer.grounds import FieldError, at_field, plants_for
-from fuzzyarm.apps.designer.jobs import WindowJob
-from fuzzyarm.apps.designer.requests import BareMessage, ProveWork
-from fuzzyarm.apps.designer.results import tell_result
+from fuzzyarm.apps.designer.jobs import WindowJob, tell_result
+from fuzzyarm.apps.designer.requests import BareMessage, FormWork, ProveWork
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.picture import Chart
@@ -295,3 +294,36 @@ def _charts(text: ControllerText, verdict: LoopVerdict, plant: Any) -> list[Char
     if verdict.tube is not None:
         return [tube_chart(verdict.tube, str(verdict).splitlines()[0], verdict.claim)]
     return [region_chart(text, verdict, plant)] if verdict.proved else []
+
+
+# --- Margins: what ``fuzzyarm margins`` says of the loop that is open, with its diagrams ---
+
+
+def opened_loop(session: Session, request: BareMessage, job: WindowJob) -> None:
+    """Tell what the form is, and which plants there are."""
+    plants = plants_for(_loop_of(session).model, job.plants)
+    job.tell({"plants": plants, "form": MARGINS.fields()})
+
+
+def _loop_of(session: Session) -> ControllerText:
+    from fuzzyarm.control.controllers.text import ControllerText
+
+    text = model_of(session)
+    if not isinstance(text, ControllerText):
+        raise TextRefusedError("only the loop of a controller has margins")
+    return text
+
+
+def margins(session: Session, record: FormWork, job: WindowJob) -> None:
+    """Linearise the loop, and tell its margins at each drive."""
+    from fuzzyarm.apps.show.margins import margin_lines, margins_chart
+    from fuzzyarm.proof.loop.orders import margins_of_text
+
+    text, path = _loop_of(session), Path(session.path)
+    request = MARGINS.request(record.form, path.parent, file=path.name)
+    with at_field("plant"):
+        found = margins_of_text(text, request)
+    job.check()
+    for each in found:
+        verdict = "stable" if each.nominal.stable else "unstable"
+        tell_result(job, margin_lines(each), [margins_chart([each], path.name)], verdict=verdict)

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.apps.designer.faults import TextRefusedError
 from fuzzyarm.apps.designer.forms import SWEEP
 from fuzzyarm.apps.designer.grounds import FieldError, at_field, plant_named, plants_for, request_on
-from fuzzyarm.apps.designer.jobs import StoppedError, WindowJob
+from fuzzyarm.apps.designer.jobs import StoppedError, WindowJob, tell_result
 from fuzzyarm.apps.designer.requests import BareMessage, FormWork, SweepWord
-from fuzzyarm.apps.designer.results import tell_result
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.names import printable
 from fuzzyarm.requests.runs import SweepRequest

@@ -1,6 +1,5 @@
 // Learn: an SOC table that grows cell by cell while passes run, its visits, the error of each pass.
 
-import { stage } from "./charts.js";
 import {
   ARROWS,
   clean,
@@ -17,6 +16,7 @@ import {
   space,
 } from "./draw.js";
 import { cellAt, cellsPanel, gridOf, outlineOf } from "./geometry/panel.js";
+import { stage } from "./pane.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 import { noTables } from "./table.js";

@@ -1,6 +1,6 @@
-// What all panes are: a title bar and a body, of the store and of what a hand may do.
+// What all panes are: a title bar and a body, of the store and of what a hand may do; canvases that fill them.
 
-import { keepFocus, pane } from "./draw.js";
+import { context, eachFrame, el, keepFocus, pane } from "./draw.js";
 
 export class Pane {
   /**
@@ -30,4 +30,25 @@ export class Pane {
   on(names, listener) {
     for (const name of names) this.store.on(name, listener);
   }
+}
+
+/**
+ * A canvas that fills its pane and is drawn again when its size or the theme changes.
+ *
+ * @param {Page.Store} store
+ */
+export function stage(store, body, draw) {
+  const canvas = el("canvas", { role: "img" });
+  const size = { width: 0, height: 0 };
+  const redraw = eachFrame(() => {
+    if (size.width > 4 && size.height > 4) draw(context(canvas, size.width, size.height));
+  });
+  new ResizeObserver(([entry]) => {
+    size.width = entry.contentRect.width;
+    size.height = entry.contentRect.height;
+    redraw();
+  }).observe(body);
+  store.on("theme", redraw);
+  body.append(canvas);
+  return { canvas, redraw };
 }

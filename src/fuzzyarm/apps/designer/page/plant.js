@@ -1,8 +1,7 @@
 // The plant of a run: its drawing, and the hand that pushes it.
 
-import { stage as canvasStage } from "./charts.js";
 import { ARROWS, colourOf, el, FONTS, space } from "./draw.js";
-import { Pane } from "./pane.js";
+import { Pane, stage as canvasStage } from "./pane.js";
 import { S } from "./strings.js";
 
 /** The plant as it moves; a hand pulls at it, by mouse or arrow keys. */

@@ -1,4 +1,5 @@
 // Prove: what `fuzzyarm prove` says of the text that is open, with the region or the tube of a loop as a picture.
+// Margins: what `fuzzyarm margins` says of its loop, with Bode and Nyquist diagrams.
 
 import { el, pairsOf } from "./draw.js";
 import { S } from "./strings.js";
@@ -46,3 +47,39 @@ class ProveWork extends ResultWork {
 }
 
 export const PROVE = { name: "prove", title: S.prove, drawn: false, further: true, panes: [ProveWork] };
+
+/** @type {import("./work.js").Kind} */
+const MARGINS_KIND = {
+  name: "margins",
+  title: S.margins,
+  go: S.start,
+  facts: "opened-loop",
+  form: () => "margins",
+  ends: S.marginsEnds,
+};
+
+class MarginsWork extends ResultWork {
+  constructor(store, hand) {
+    super(store, hand, MARGINS_KIND);
+  }
+
+  fill({ plants }) {
+    this.form.choices("plant", [
+      ["", S.usual],
+      ...pairsOf(plants.filter((each) => each.fits).map((each) => each.name)),
+    ]);
+  }
+
+  ready() {
+    return S.marginsReady;
+  }
+}
+
+export const MARGINS = {
+  name: "margins",
+  title: S.margins,
+  drawn: false,
+  further: true,
+  why: (_hand, { asDiagram }) => (asDiagram ? "" : S.noMargins),
+  panes: [MarginsWork],
+};

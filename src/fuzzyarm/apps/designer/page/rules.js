@@ -1,9 +1,21 @@
 // Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list; findings
 // of the check where they are.
 
-import { eachFrame, el, heat, keepFocus, sayWrong, select, shortNumber, space, tableOf } from "./draw.js";
+import {
+  clean,
+  eachFrame,
+  el,
+  field,
+  heat,
+  keepFocus,
+  pairsOf,
+  sayWrong,
+  select,
+  shortNumber,
+  space,
+  tableOf,
+} from "./draw.js";
 import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
-import { methodLines } from "./methods.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { rangeOf } from "./geometry/shapes.js";
@@ -360,5 +372,44 @@ export class RulesPane extends Pane {
       const said = strength > 0 ? `${S.strength} ${range}` : S.silent;
       element.title = S.fires(this.store.scene.rules[number].place, said);
     });
+  };
+}
+
+// --- How they are evaluated: and, or, implication, aggregation, defuzzifier, each as a list to choose from ---
+
+/** A line that says them and opens to lists; `change` writes a choice into the text, or is missing. */
+function methodLines(change) {
+  const summary = el("summary");
+  const body = el("div", { class: "fields" });
+  const element = el("details", { class: "methods" }, summary, body);
+
+  function choiceOf(row) {
+    const label = row.target ? `${row.target}: ${row.key}` : row.key;
+    const list = select(pairsOf(row.options), row.value, {
+      "aria-label": label,
+      "data-key": `method ${label}`,
+      disabled: !change,
+      onchange: async () => {
+        const taken = await change("setting", { key: row.key, value: list.value, target: row.target });
+        if (!taken) list.value = row.value; // the status says why
+      },
+    });
+    return field(label, list);
+  }
+
+  return {
+    element,
+    show(rows) {
+      const lists = rows.filter((row) => row.key);
+      const refocus = keepFocus(body);
+      summary.textContent = clean(
+        `${S.methods}: ${lists.map(({ key, value, target }) => `${target ? `${target} ` : ""}${key} ${value}`).join(", ")}`,
+      );
+      body.replaceChildren(
+        ...lists.map(choiceOf),
+        ...rows.filter((row) => row.block).map(({ block }) => el("span", { class: "small", textContent: block })),
+      );
+      refocus();
+    },
   };
 }

@@ -1,7 +1,7 @@
 // Tune: the search of `fuzzyarm tune` on the text that is open, its cost as it falls, what came of it.
 
-import { stage } from "./charts.js";
 import { clean, el, pairsOf, pane, shortNumber, tableOf, space } from "./draw.js";
+import { stage } from "./pane.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 import { noTables } from "./table.js";

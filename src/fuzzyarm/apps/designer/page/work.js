@@ -1,12 +1,11 @@
 // Views of long work: a form of a request of Python, the work that it begins, what is said meanwhile, and its end. What
 // comes of it is each view's own: lines as a command prints them with their pictures, tables that grow, a report.
 
-import { stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
 import { clean, el, pairsOf, space } from "./draw.js";
 import { Form } from "./form.js";
 import { drawPanel } from "./panel.js";
-import { Pane } from "./pane.js";
+import { Pane, stage } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
