@@ -6,9 +6,9 @@ Rule bases, tables and controllers are lowered once to a typed program
 A *routine* is one function of the exported file together with a Python model of the very
 same arithmetic: :class:`~fuzzyarm.exchange.export.table.FloatTable`,
 :class:`~fuzzyarm.exchange.export.table.FixedTable` and
-:class:`~fuzzyarm.exchange.export.rulebase.DirectRoutine`. The model is what the tests hold the
-compiled C against, and what the figures in the head of an exported file are measured with. A whole
-controller is a :class:`~fuzzyarm.exchange.export.controllers.ControllerProgram`.
+:class:`~fuzzyarm.exchange.export.rulebase.DirectRoutine`. The tests hold the compiled C against the
+model, and the figures in the head of an exported file are measured with it. A whole controller is a
+:class:`~fuzzyarm.exchange.export.controllers.ControllerProgram`.
 """
 
 from typing import TYPE_CHECKING

@@ -38,7 +38,7 @@ from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, Names, identifier
 from fuzzyarm.version import __version__
 
 PLACES = ("arduino", "platformio")
-"""What folders are made for."""
+"""Tools that folders are made for."""
 
 _IN_SKETCH = {"setup", "loop", "delay", "millis", "micros", "Serial", "pin"}
 
@@ -61,11 +61,11 @@ class BoardFolder:
     files : dict of str to str
         Texts by their paths in the folder.
     library : CText
-        What is in it.
+        Its content.
     board : Board
-        What it was fitted to.
+        The board.
     measured : Measured or None
-        What it takes there; None where nothing here can measure it.
+        Its cost there; None where nothing here can measure it.
     constants, state : int
         Bytes of tables, and of variables that a program holds for it.
     doubt : str
@@ -88,7 +88,7 @@ class BoardFolder:
 
 @dataclass(frozen=True)
 class _BoardPart:
-    """What routines and controllers have in common on a board."""
+    """The common part of routines and controllers on a board."""
 
     stem: str
     words: str  # its purpose, in one line
@@ -157,7 +157,7 @@ def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) 
     return pace_of(measured, board, part.inputs)
 
 
-# --- What is on the board ---
+# --- The board ---
 
 
 def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _BoardPart:

@@ -28,7 +28,7 @@ TOOLS = "gcc-avr avr-libc binutils-avr simavr"
 _SECONDS = 120.0
 
 _ROOMY = "atmega1284p"
-"""Has the instructions and cycles of an Uno's, and 128 KB: runs what fits without its self-test."""
+"""An Uno's instructions and cycles, and 128 KB: runs programs that fit without their self-test."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ class MeasuredStep:
     Attributes
     ----------
     header : str
-        What it includes.
+        Its includes.
     declarations : sequence of str
-        What stands outside of functions: variables, and the numbers of the calls.
+        Text outside of functions: variables, and the numbers of the calls.
     start : sequence of str
         Statements that are run once.
     load : sequence of str
@@ -71,7 +71,7 @@ class MeasuredStep:
 )
 @dataclass(frozen=True)
 class Measured:
-    """What a library takes on a processor.
+    """The cost of a library on a processor.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Measured:
 
     @property
     def stack(self) -> int | None:
-        """What a call takes on the stack, at most; None where no simulator measured it."""
+        """Stack of a call, at most; None where no simulator measured it."""
         return self.footprint.stack if self.cycles else None
 
 
@@ -178,7 +178,7 @@ def run_tool(
     seconds : float
         How long it may take.
     to : str
-        What is wanted of it, for the message: *cannot run gcc*.
+        Its purpose, for the message: *cannot run gcc*.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def _size_program(call: MeasuredStep) -> str:
 
 
 # Timer 1 counts 16 bits: first every cycle, then every 1,024th. A call takes as many cycles each
-# time, so that both together tell how many; what an empty call takes is subtracted.
+# time, so that both together tell how many; the time of an empty call is subtracted.
 _RUN = """#include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -362,7 +362,7 @@ SHARE = 0.9
 """How much of a period a call may take."""
 
 PIN_SECONDS = 112e-6
-"""What ``analogRead`` takes on an AVR, as the Arduino core sets its converter up."""
+"""Time of ``analogRead`` on an AVR, as the Arduino core sets its converter up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -393,7 +393,7 @@ def clock_of(period: float) -> Clock:
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """What a turn of the sketch takes, in s: the slowest call that was seen, and its pins."""
+    """Time of a turn of the sketch, in s: the slowest call that was seen, and its pins."""
 
     call: float
     pins: float

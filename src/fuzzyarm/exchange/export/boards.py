@@ -17,7 +17,7 @@ class Board:
     name : str
         Its name in commands.
     title : str
-        What people call it.
+        Its usual name.
     processor : str
         Its chip; of an AVR as avr-gcc calls it.
     flash, ram : int
@@ -31,7 +31,7 @@ class Board:
     pins : int
         Analogue inputs, A0 first.
     analog_top : int
-        What ``analogRead`` returns at most, as it is after a reset.
+        The largest value of ``analogRead``, as it is after a reset.
     clock : int
         In Hz.
     """
@@ -94,7 +94,7 @@ def board_named(name: str) -> Board:
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """What a program takes of a board, in bytes.
+    """The memory of a program on a board, in bytes.
 
     Attributes
     ----------
@@ -103,9 +103,9 @@ class Footprint:
     static : int
         Variables that are always there.
     stack : int
-        What a call takes on top, at most.
+        Further RAM of a call, at most.
     what : str
-        What `flash` counts, in words.
+        The content of `flash`, in words.
     constants, largest : int
         Bytes of constants, and of the largest array of them.
     """

@@ -1,6 +1,6 @@
 """Programs as C99: a header on its own, a source with its header, or a library of three files.
 
-A rule base and a table are a function each. A controller is a struct with what it remembers,
+A rule base and a table are a function each. A controller is a struct with its memory,
 ``init`` and ``step``; of tables that learn also ``save`` and ``load``. Constants may stay in a
 flash that is an address space of its own (`flash_macro`).
 """
@@ -502,7 +502,7 @@ def _declared(entry: _Entry, name: str) -> str:
 
 @dataclass(frozen=True)
 class CText:
-    """What is exported.
+    """Exported files.
 
     Attributes
     ----------
@@ -577,7 +577,7 @@ def controller_c(
 
 
 class _Text(NamedTuple):
-    """What the comment at the head says of a text: prototypes, use and self-test."""
+    """Lines of the head of a text: prototypes, use and self-test."""
 
     prototypes: tuple[str, ...]
     use: str

@@ -65,7 +65,7 @@ _REMARKS = {
     "visits": "of each cell", "ring": "cells in use before; -1: none",
     "held": "last value of the drive",
 }  # fmt: skip
-"""What members are for, by their role."""
+"""Purposes of members, by their role."""
 
 
 def controller_program(
@@ -96,7 +96,7 @@ class _Lowering:
     steps : Steps
         The controller.
     program : Program
-        What it becomes.
+        Its program.
     parameters, local : dict of str to Variable
         Of the step.
     known : dict of str to Node

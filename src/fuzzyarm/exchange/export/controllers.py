@@ -107,7 +107,7 @@ def _looked_up(
 
 @dataclass(frozen=True)
 class Tried:
-    """What a controller does over a sequence of periods.
+    """The run of a controller over a sequence of periods.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class ControllerProgram:
     q : int or None
         Fraction bits of tables in whole numbers.
     proofs : tuple of str
-        What is proved of it in its loop.
+        Statements proved of it in its loop.
     widened : bool
         Whether rule bases that need double precision compute in it internally.
     beside_rules : str

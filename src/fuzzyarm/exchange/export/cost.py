@@ -1,8 +1,8 @@
-"""What one period of a controller takes: arithmetic operations, counted from its instructions.
+"""The cost of a period of a controller: arithmetic operations, counted from its instructions.
 
 Two programs are counted. The kernel of the closed loop asks only the rules that can fire where
 the inputs are, so its cost depends on them: least and most over all cells of the inputs. The
-exported program has every rule in a row; its count is what a call takes at most.
+exported program has every rule in a row; its count is an upper bound of a call.
 """
 
 from __future__ import annotations

@@ -145,9 +145,9 @@ class _Lowered(Expressions):
     key : str
         Of the function.
     signature : list of (int, str)
-        What it is handed: the number of a parameter, and of an array which part.
+        Its arguments: the number of a parameter, and of an array which part.
     returned : Type
-        What it returns.
+        Its result.
     result : Node or None
         A number that it always returns.
     """

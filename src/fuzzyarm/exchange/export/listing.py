@@ -1,7 +1,7 @@
 """A program as the statements of a C function, and their cost.
 
 Each part that has a name becomes a variable. Straight terms stay conditional expressions;
-what needs its own part twice is written with more variables and ``if``, so that
+a part that is used twice is written with more variables and ``if``, so that
 nothing is computed twice or in vain.
 """
 
@@ -76,7 +76,7 @@ class Listing:
     body : list of Statement
         In order; a name that comes again is a variable that is set again.
     result : Node
-        What the function returns, of these variables.
+        The value of the function, of these variables.
     reads : set of str
         All symbols that are read.
     names : set of str

@@ -42,7 +42,7 @@ from fuzzyarm.symbolic.printing import Assign, Choose, Statement
 from fuzzyarm.table.lookup import blend, corner_offsets, share_of_way, strides_of
 
 SINGLE_TEST = 1e-4
-"""What a port with floats of 32 bits may be off by in a self-test, of the largest result."""
+"""Tolerance of a port with floats of 32 bits in a self-test, as a share of the largest result."""
 
 
 def routines_program(

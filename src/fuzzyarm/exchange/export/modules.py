@@ -136,4 +136,4 @@ LETTERS = {
     "float64": "d", "float32": "f", "int8": "b", "int16": "h", "int32": "i", "uint32": "I",
     "uint64": "i",
 }  # fmt: skip
-"""What Python's arrays call the kinds of numbers."""
+"""Type codes of Python's arrays, by kind."""

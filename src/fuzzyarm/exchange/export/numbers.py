@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fuzzyarm.base.diagnostic import NOWHERE, Span
 from fuzzyarm.base.errors import FuzzyarmError
 
-# --- What cannot be exported ---
+# --- Refusals ---
 
 
 class ExportError(FuzzyarmError, ValueError):
@@ -41,7 +41,7 @@ class ExportError(FuzzyarmError, ValueError):
         path : str
             Where nothing nearer is known.
         hint : str, optional
-            What to do instead.
+            An alternative.
         """
         return ExportError(
             self.message, hint=hint or self.hint, span=self.span, path=self.path or path
@@ -103,7 +103,7 @@ class Precision(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What the head of a file says of the arithmetic."""
+        """The arithmetic, in words, for the head of a file."""
         arithmetic = f"{C_TYPES[self.wide]} arithmetic"
         if self.outside is self.wide:
             return arithmetic

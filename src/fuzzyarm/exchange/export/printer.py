@@ -70,7 +70,7 @@ class Target:
     number : callable
         From a printer, a float and its kind to its text.
     marks : mapping of kind to str
-        What follows a literal of a whole number of a kind.
+        Suffix of a literal of a whole number of a kind.
     truths : tuple of str
         False and true.
     types : mapping of kind to str
@@ -180,7 +180,7 @@ class Printer:
     Attributes
     ----------
     program : Program
-        What is printed.
+        The program.
     target : Target
         The language.
     constants, helpers, functions : list of str

@@ -1,6 +1,6 @@
 """One output of a rule base as one expression, with the names that its parts have in C.
 
-The expression is the whole truth: what it computes over arrays is the model of the exported
+The expression is the whole truth: its values over arrays are the model of the exported
 function, and :mod:`fuzzyarm.exchange.export.listing` writes it in C. The names beside it say which
 parts stand in variables there: the degrees, the firing strengths, the growing heights.
 """
@@ -69,10 +69,10 @@ MOST_SAMPLES = 100_000
 
 
 WALKED = frozenset({"top", "area", "ends"})
-"""What of numbers is walked over tables."""
+"""Views of numbers that are walked over tables."""
 
 SAMPLED = "defuzzifier centroid(101)"
-"""What takes any sets: their samples."""
+"""Views that take any sets, by their samples."""
 
 _LONGEST = 16
 """Operands of one expression before it goes into a variable: nesting stays shallow."""
@@ -102,7 +102,7 @@ class OutputProgram:
 
     @property
     def walks(self) -> tuple[DefuzzifierWalk, ...]:
-        """What is walked over tables, in order."""
+        """The walks over tables, in order."""
         return tuple(
             variable for variable in self.variables if isinstance(variable, DefuzzifierWalk)
         )

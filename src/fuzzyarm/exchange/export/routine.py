@@ -1,4 +1,4 @@
-"""What the writer of a file needs to know of a routine, and the header that tells it to people.
+"""Routines as the writer of a file sees them, and the header of the file.
 
 A routine is one function of the exported file; the header comment states provenance, accuracy and
 cost of each.
@@ -40,7 +40,7 @@ def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    "
     return lines
 
 
-# --- What the writer of a file needs to know of a routine, whatever it is made of ---
+# --- A routine as the writer of a file sees it ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class RoutineArgument:
 
 @dataclass(frozen=True, slots=True)
 class CallCost:
-    """What one call takes at most."""
+    """Upper bounds of the cost of a call."""
 
     operations: tuple[tuple[str, int], ...]  # kind of operation and how many
     stack: int  # bytes of local variables, without the compiler's own

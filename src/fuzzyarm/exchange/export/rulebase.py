@@ -153,7 +153,7 @@ class DirectRoutine:
 
     @property
     def silence(self) -> str:
-        """What a function returns where no rule fires, in words."""
+        """The result of a function where no rule fires, in words."""
         no_rule = self.rulebase.output(self.name).no_rule
         value = {"error": "NaN", "hold": "the last argument"}.get(str(no_rule), no_rule)
         return f"the result is {value} where no rule fires"
@@ -258,7 +258,7 @@ class DirectRoutine:
     def vectors(self) -> TestPoints:
         """Return points inside every piece and on both sides of every edge, and scattered ones.
 
-        Scattered points find the steps of what is sampled, which lie anywhere, and far outside a
+        Scattered points find the steps of sampled sets, which lie anywhere, and far outside a
         range that inputs may leave no rule fires.
         """
         inputs = []
@@ -319,7 +319,7 @@ def direct_routine(
 ) -> DirectRoutine:
     """Prepare the direct inference of one output; an ExportError names an obstacle.
 
-    With `widened` what is found in double precision only is computed so within, whatever the
+    With `widened` results that need double precision are computed so within, whatever the
     precision.
     """
     target = choose_output(rulebase, output)

@@ -24,8 +24,8 @@ Array = NDArray[Any]
 class SampleSums:
     """The sums of an output over its samples, from the first to the last.
 
-    At each sample the aggregate is built up step by step; ``area`` is the sum of what it
-    then is, ``moment`` the sum of its products with the positions.
+    At each sample the aggregate is built up step by step; ``area`` is the sum of its
+    values, ``moment`` the sum of its products with the positions.
     """
 
     # Names of the two sums, of the aggregate at a sample, and of the number of a sample. The
@@ -49,7 +49,7 @@ class SampleSums:
 
     @property
     def body(self) -> tuple[Assign, ...]:
-        """What is done at each sample."""
+        """The statements at each sample."""
         height = symbol(self.height)
         weighing = (
             (Assign(self.height, height * symbol("weight")),) if "weight" in self.columns else ()

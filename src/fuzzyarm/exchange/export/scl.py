@@ -31,7 +31,7 @@ _WORDS = frozenset(
     AND BY DO ELSE END_FOR END_IF END_WHILE EXIT FALSE FOR IF MOD NOT OR RETURN THEN TO TRUE WHILE
     """.split()  # noqa: SIM905
 )
-"""What statements are written with."""
+"""Tokens of statements."""
 
 _QUOTED = frozenset(
     """

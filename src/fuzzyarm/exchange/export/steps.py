@@ -1,6 +1,6 @@
 """A controller as steps with named variables, as its exported program takes them.
 
-What is more than arithmetic (asking a rule base, looking up, learning) is its own step.
+More than arithmetic (asking a rule base, looking up, learning) is a step of its own.
 :mod:`fuzzyarm.exchange.export.walk_of_steps` makes the steps of a text,
 :mod:`fuzzyarm.exchange.export.controller_lowering` a program of the steps.
 """
@@ -69,7 +69,7 @@ class StepVariable(NamedTuple):
 
     @property
     def symbol(self) -> str:
-        """What stands for it in expressions."""
+        """Its symbol in expressions."""
         number = f"[{self.number}]" if self.number >= 0 else ""
         return f"{self.sort}:{self.axis}:{self.name}{number}"
 
@@ -159,7 +159,7 @@ def _reads(step: Step) -> Iterator[str]:
 
 
 class Guard(NamedTuple):
-    """What stands around the steps of an axis.
+    """The frame of the steps of an axis.
 
     Attributes
     ----------
@@ -221,7 +221,7 @@ class Steps:
     Attributes
     ----------
     model : ControllerModel
-        What the text says.
+        The model of the text.
     precision : Precision
         Types of signals, of gains and of the arithmetic; `wide` is that of the arithmetic.
     variables : dict of str to StepVariable

@@ -1,7 +1,7 @@
 """Programs as IEC 61131-3 Structured Text: function blocks for PLCs.
 
 A rule base, a table and a controller are a block each, since the constants of a function would be
-copied at every call; what only calculates is a function. The language has no number for "none":
+copied at every call; a routine without memory is a function. The language has no number for "none":
 where no rule fires and the rule base calls that an error, the output keeps its value and `fired` is
 false. Its expressions only calculate: a choice, a search in an array and the call of a block come
 before the statement that needs them (`flattened`).
@@ -390,7 +390,7 @@ class _File(Printer):
     def array_type(self, kind: Kind, size: int) -> str:
         """Return the name of a type of arrays.
 
-        One without a name is the same as no other, and what a function takes by reference has to
+        One without a name is the same as no other, and an argument by reference has to
         have the same.
         """
         key = _TYPES[kind], size

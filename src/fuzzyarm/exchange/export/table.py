@@ -46,7 +46,7 @@ class NumberTable:
     Attributes
     ----------
     table : LookupTable
-        What it was made from.
+        The table in double precision.
     mode : str
         ``bins``, ``nearest`` or ``linear``.
     points : tuple of ndarray

@@ -5,10 +5,10 @@ Rule bases, tables and controllers are lowered to a `Program` once (`lowering.py
 (`printer.py`) reads.
 
 Expressions are those of :mod:`fuzzyarm.symbolic.nodes`: they have text in every language
-already, and so the formulas of shapes, norms and sources come in as they are. What only programs
-have (elements of arrays, calls, conversions, whole numbers) are further nodes. Python's own syntax
-tree, the form of the kernels, was the other candidate: it has no remarks and one kind of float, and
-would have been a third printer of formulas.
+already, and so the formulas of shapes, norms and sources come in as they are. Parts that only
+programs have (elements of arrays, calls, conversions, whole numbers) are further nodes. Python's
+own syntax tree, the form of the kernels, was the other candidate: it has no remarks and one kind of
+float, and would have been a third printer of formulas.
 
 A variable is a symbol of any spelling; `Variable` has the stem of its name and its kind, and the
 printer finds a free identifier in its language. So no lowering knows reserved words.
@@ -67,7 +67,7 @@ class Element(Node):
 
 @dataclass(frozen=True, eq=False)
 class Called(Node):
-    """What a function of the program returns, by the key of the function."""
+    """The result of a function of the program, by the key of the function."""
 
     function: str
     arguments: tuple[Node, ...]
@@ -325,7 +325,7 @@ class Function:
     public : bool
         Whether it is called from outside.
     remark : str
-        What it returns.
+        Its result.
     result : str
         Stem of the name of its result, where that is a variable.
     may_be_silent : bool
@@ -378,7 +378,7 @@ class SelfTest:
 
 @dataclass
 class Program:
-    """What is exported.
+    """An exported program.
 
     Attributes
     ----------

@@ -100,7 +100,7 @@ class Listed:
 
 @dataclass(frozen=True, eq=False)
 class DefuzzifierWalk:
-    """What a defuzzifier makes of the strengths of an output: two numbers.
+    """The two numbers that a defuzzifier makes of the strengths of an output.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class DefuzzifierWalk:
     output : str
         The output.
     parts : tuple of Node
-        What stands in the rows of the room, in order: strengths, and values where there are some.
+        The rows of the room, in order: strengths, and values where there are some.
     """
 
     total: str
@@ -123,7 +123,7 @@ class DefuzzifierWalk:
 
     @cached_property
     def functions(self) -> Listed:
-        """What the tables name by number."""
+        """Functions that the tables number."""
         listed = Listed()
         vars(self)["layout"] = lay_out_output(self.plan, self.output, listed)
         return listed

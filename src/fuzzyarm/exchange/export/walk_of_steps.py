@@ -228,7 +228,7 @@ class Lines(Algebra[Node]):
             # It is not rounded again: it is kept as it is.
             self.result.variables[key] = self.result.variables[key]._replace(wide=True)
             writes.append((key, value, False))
-        # What lasts of a signal is its value before.
+        # The memory of a signal is its value before.
         for index, (state, value, known) in enumerate(self.lasting):
             if any(value is symbol(key) for key, _, _ in writes):
                 self.lasting[index] = state, self._set(self._local(), value), known
@@ -608,7 +608,7 @@ class Lines(Algebra[Node]):
 
 
 _SUFFIXES = {"slew": "before_slew"}
-"""What the memory of a drive is called in exported programs."""
+"""Names of the memory of a drive in exported programs."""
 
 
 def _alike(a: LookupTable, b: LookupTable) -> bool:

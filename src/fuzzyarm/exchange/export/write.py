@@ -493,7 +493,7 @@ def export_controller(
 # --- Modules in one file ---
 
 SINGLE_PERIODS = 1e-2
-"""What a port with floats of 32 bits may be off by in the self-test, of the largest drive."""
+"""Tolerance of a port with floats of 32 bits in the self-test, as a share of the largest drive."""
 
 
 def routines_module(
