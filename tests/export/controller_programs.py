@@ -58,8 +58,11 @@ axis room
   held  = integral of e, within -100 .. 100, anti-windup hold, start 1
   s     = sum of error of temperature, cleared each set-point
   all   = sum of error of temperature
+  mode  = slow where w > b and not (e < -1 or m >= 40) else 0.5
+  kept  = integral of e, within -10 .. 10, follows mode where w <= 0 or ce > b
   power = integral of du, within 0 .. 100, start 0
   drive power = power + 0.1 * step + back - held + 0.01 * w + still + loose, within 0 .. 90, slew 5
+  drive power = mode * 0.1 + kept * 0.01
   drive power = s * 0.1 + all / 1000
   drive 'cooling air' = -m + r / 2
 """

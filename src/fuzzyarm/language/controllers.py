@@ -21,6 +21,7 @@ from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
 from fuzzyarm.language.model.controller import (
+    CHOICE,
     SOURCES,
     Axes,
     Drive,
@@ -131,7 +132,7 @@ class _Body(Part):
         for source in SOURCES.values():
             yield from ((word, option.doc) for word, option in source.options.items())
         yield from ((word, option.doc) for word, option in LEARN_OPTIONS.items())
-        yield "of", ""
+        yield from {"of": "", "where": CHOICE.doc, "else": ""}.items()
 
 
 def _amount(field: str, what: str, label: str) -> Phrase:

@@ -14,8 +14,11 @@ from dataclasses import replace
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, span_of
 from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.model.controller import (
+    CHOICE,
     SOURCES,
     Amount,
+    Chosen,
+    Condition,
     Factor,
     OptionKind,
     Product,
@@ -299,10 +302,14 @@ def _read_option(cursor: Cursor, kinds: Mapping[str, OptionKind]) -> tuple[Word,
         amount: Figure | Word = cursor.figure(f"a number after {word}")
     else:
         amount = read_number(cursor, f"the {word}")
+    value: Setting = amount
     token = cursor.peek()
-    if kind.alike and isinstance(amount, Figure) and token and token.kind != "mark":
+    if kind.takes == "chosen":
+        cursor.expect("where", f"after '{number_or_name(amount)}'")
+        value = Chosen(amount, read_condition(cursor))
+    elif kind.alike and isinstance(amount, Figure) and token and token.kind != "mark":
         raise Fault(_with_unit(word, amount, token.text, cursor.span))
-    return word, amount
+    return word, value
 
 
 def options_text(options: Iterable[tuple[str, Setting]], kinds: Mapping[str, OptionKind]) -> str:
@@ -311,6 +318,8 @@ def options_text(options: Iterable[tuple[str, Setting]], kinds: Mapping[str, Opt
 
 
 def _option_text(word: str, value: Setting, kind: OptionKind) -> str:
+    if isinstance(value, Chosen):
+        return f"{word} {chosen_text(value)}"
     if isinstance(value, tuple):
         return f"{word} {number_text(value[0])} .. {number_text(value[1])}"
     if isinstance(value, Time):
@@ -325,7 +334,9 @@ def names_in_options(
 ) -> Iterator[Occurrence]:
     """Yield the gains in options."""
     for word, value in options:
-        if isinstance(value, str) and kinds[word].takes != "windup":
+        if isinstance(value, Chosen):
+            yield from map(of_signal, value.names())
+        elif isinstance(value, str) and kinds[word].takes != "windup":
             yield of_gain(value)
 
 
@@ -336,10 +347,89 @@ def read_body(cursor: Cursor) -> Body:
     """Read the definition of a signal: a source with factors and options, or a sum of products."""
     source = _read_source(cursor)
     if source is None:
-        return None, read_sum(cursor)
+        begin = cursor.span
+        products = read_sum(cursor)
+        if cursor.accept("where"):
+            return _read_choice(cursor, products, begin), (Product(()),)
+        return None, products
     factors = _read_factors(cursor)
     options = read_options(cursor, source.record.options)
     return replace(source, options=options), (Product(factors),)
+
+
+def _read_choice(cursor: Cursor, products: tuple[Product, ...], begin: Span) -> Source:
+    """Read the rest of ``A where CONDITION else B``."""
+    (first, *_), name = products, products[0].factors[0].value
+    if len(products) > 1 or len(first.factors) > 1 or first.negative or not isinstance(name, str):
+        message = "a signal or a gain is chosen by 'where', one by its name"
+        hint = "give a sum a line of its own; a number may follow 'else'"
+        raise Fault(Diagnostic("unexpected-token", message, begin, hint=hint))
+    condition = read_condition(cursor)
+    cursor.expect("else", "after the condition")
+    other = read_number(cursor, "a signal or a number")
+    return Source(CHOICE.name, name, options=((Word("otherwise"), Chosen(other, condition)),))
+
+
+def read_condition(cursor: Cursor) -> Condition:
+    """Read comparisons joined by ``and``, ``or`` and ``not``; ``and`` binds closer than ``or``."""
+    condition = _read_both(cursor)
+    while cursor.accept("or"):
+        condition = Condition("or", (condition, _read_both(cursor)))
+    return condition
+
+
+def _read_both(cursor: Cursor) -> Condition:
+    condition = _read_one(cursor)
+    while cursor.accept("and"):
+        condition = Condition("and", (condition, _read_one(cursor)))
+    return condition
+
+
+def _read_one(cursor: Cursor) -> Condition:
+    if cursor.accept("not"):
+        return Condition("not", (_read_one(cursor),))
+    if cursor.accept("("):
+        condition = read_condition(cursor)
+        cursor.expect(")", "after the condition")
+        return condition
+    first = read_number(cursor, "a signal or a number")
+    sign = next((sign for sign in SIGNS if cursor.accept(sign, likely=True)), "")
+    if not sign:
+        cursor.fail(f"one of {', '.join(SIGNS)} after '{number_or_name(first)}'")
+    return Condition(sign, (first, read_number(cursor, "a signal or a number")))
+
+
+SIGNS = ("<", "<=", ">", ">=")
+"""Comparisons."""
+
+
+def condition_text(condition: Condition) -> str:
+    """Return a condition as it is written."""
+    if condition.word in SIGNS:
+        first, second = (number_or_name(part) for part in condition.operands())
+        return f"{first} {condition.word} {second}"
+    parts = [
+        f"({condition_text(part)})" if _is_looser(part, condition) else condition_text(part)
+        for part in condition.parts
+        if isinstance(part, Condition)
+    ]
+    return f"not {parts[0]}" if condition.word == "not" else f" {condition.word} ".join(parts)
+
+
+def _is_looser(part: Condition, whole: Condition) -> bool:
+    """Whether a part of a condition needs parentheses."""
+    closeness = ("or", "and", "not")
+    order = closeness.index(whole.word)
+    if part.word not in closeness:
+        return False
+    return closeness.index(part.word) < order or (
+        part is whole.parts[-1] and part.word == whole.word != "not"
+    )
+
+
+def chosen_text(chosen: Chosen) -> str:
+    """Return a signal and when it counts."""
+    return f"{number_or_name(chosen.value)} where {condition_text(chosen.condition)}"
 
 
 def _read_source(cursor: Cursor) -> Source | None:
@@ -366,11 +456,21 @@ def _read_source(cursor: Cursor) -> Source | None:
     return Source(kind, cursor.name("a signal" if of == "signal" else "a port of the plant"))
 
 
+def choice_text(source: Source) -> str:
+    """Return the text of a choice between two signals."""
+    (_, other), *_ = source.options
+    assert isinstance(other, Chosen)
+    condition = condition_text(other.condition)
+    return f"{name_text(source.name)} where {condition} else {number_or_name(other.value)}"
+
+
 def source_text(body: Body) -> str:
     """Return the text of a signal's definition."""
     source, products = body
     if source is None:
         return sum_text(products)
+    if source.kind == CHOICE.name:
+        return choice_text(source)
     (product,) = products
     inputs = inputs_text(source.inputs) if source.record.of == "call" else ""
     text = f"{source.kind}{source.record.joined} {name_text(source.name)}{inputs}"

@@ -51,8 +51,81 @@ from fuzzyarm.symbolic.records import Kind, KindError, Registry
 X = Any
 """An expression or a number."""
 
-Setting = str | float | tuple[float, float] | bool
-"""The value of an option: a number or the name of a gain; s; a pair; true; ``"hold"`` or s."""
+
+@dataclass(frozen=True)
+class Condition:
+    """A comparison of two operands, or conditions that are joined.
+
+    Parameters
+    ----------
+    word : str
+        ``<``, ``<=``, ``>``, ``>=``; ``and``, ``or``, ``not``.
+    parts : tuple
+        Of a comparison two operands: signals, gains or numbers; else conditions.
+    """
+
+    word: str
+    parts: tuple[Condition | str | float, ...]
+
+    def operands(self) -> Iterator[str | float]:
+        """Yield the operands, in the order of the text."""
+        for part in self.parts:
+            if isinstance(part, Condition):
+                yield from part.operands()
+            else:
+                yield part
+
+    @property
+    def form(self) -> Condition:
+        """The condition with empty names for operands: of which update it is one."""
+        parts = (part.form if isinstance(part, Condition) else "" for part in self.parts)
+        return Condition(self.word, tuple(parts))
+
+    def over(self, operands: Iterator[X]) -> X:
+        """Return it as an expression over its operands."""
+        parts = [
+            part.over(operands) if isinstance(part, Condition) else next(operands)
+            for part in self.parts
+        ]
+        return CONDITIONS[self.word](*parts)
+
+
+CONDITIONS: dict[str, Callable[..., X]] = {
+    "<": lambda a, b: a < b,
+    "<=": lambda a, b: a <= b,
+    ">": lambda a, b: a > b,
+    ">=": lambda a, b: a >= b,
+    "and": lambda a, b: a & b,
+    "or": lambda a, b: a | b,
+    "not": lambda a: ~a,
+}
+"""Words of conditions."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A value that counts while a condition holds, or while it does not.
+
+    Parameters
+    ----------
+    value : str or float
+        A signal, a gain or a number.
+    condition : Condition
+        When.
+    """
+
+    value: str | float
+    condition: Condition
+
+    def names(self) -> Iterator[str]:
+        """Yield the signals and gains that it reads."""
+        every = (self.value, *self.condition.operands())
+        return (value for value in every if isinstance(value, str))
+
+
+Setting = str | float | tuple[float, float] | bool | Chosen
+"""The value of an option: a number or the name of a gain; s; a pair; true; ``"hold"`` or s; a
+signal with its condition."""
 
 VALUE = "value"
 """Symbol of the update's value in the next-state functions."""
@@ -76,8 +149,8 @@ class OptionKind(NamedTuple):
     ----------
     takes : str
         ``number`` (or the name of a gain), ``figure`` (a number), ``time`` (with a unit),
-        ``range`` (``A .. B``), ``words`` (only the words in `rest`), or ``windup``:
-        ``hold``, or ``back TIME``.
+        ``range`` (``A .. B``), ``words`` (only the words in `rest`), ``windup``: ``hold``, or
+        ``back TIME``; or ``chosen``: a signal, ``where``, and a condition.
     doc : str
         One line.
     rest : tuple of str
@@ -92,7 +165,7 @@ class OptionKind(NamedTuple):
         Whether its time must be a whole number of control periods, at most `MOST_PERIODS`.
     """
 
-    takes: Literal["number", "figure", "time", "range", "words", "windup"]
+    takes: Literal["number", "figure", "time", "range", "words", "windup", "chosen"]
     doc: str
     rest: tuple[str, ...] = ()
     needed: bool = False
@@ -103,7 +176,7 @@ class OptionKind(NamedTuple):
     @property
     def example(self) -> str:
         """An example of the text after the word."""
-        texts = {"time": "10 ms", "range": "-1 .. 1", "windup": "hold"}
+        texts = {"time": "10 ms", "range": "-1 .. 1", "windup": "hold", "chosen": "e where e < 0.5"}
         return " ".join(self.rest) or texts.get(self.takes, "0.5")
 
 
@@ -199,6 +272,8 @@ class SourceKind(Kind):
     of_periods : callable or None
         With one state for each period of an option: from that number to update and states. The
         record itself has those of one period.
+    conditional : callable or None
+        Its update with an option that has a condition, which is its argument ``chosen``.
     """
 
     of: Literal["port", "signal", "error", "call"] = "signal"
@@ -216,6 +291,7 @@ class SourceKind(Kind):
     elsewhere: str = ""
     dimensionless: bool = False
     of_periods: Callable[[int], tuple[Callable[..., X], tuple[SourceState, ...]]] | None = None
+    conditional: Callable[..., X] | None = None
 
     @cached_property
     def symbols(self) -> tuple[str, ...]:
@@ -269,12 +345,21 @@ class SourceKind(Kind):
                 # An update computes with numbers alone: hold is -1, no valid time; 0 is no
                 # anti-windup.
                 numbers[name] = -1.0 if value == "hold" else _number(value)
+            elif isinstance(value, Chosen):
+                numbers[name] = value.value
+                for number, operand in enumerate(value.condition.operands()):
+                    numbers[_operand(number)] = operand
             # The name of a gain; the program replaces it by the value.
             elif isinstance(value, str):
                 numbers[name] = value
             else:
                 numbers[name] = _number(value)
         return numbers
+
+    def chosen(self, options: Mapping[str, Setting]) -> SourceKind:
+        """Return the record with the condition of an option, if it has one."""
+        forms = [value.condition.form for value in options.values() if isinstance(value, Chosen)]
+        return _conditional(self, forms[0]) if forms else self
 
     def sized(self, options: Mapping[str, Setting], period: float) -> SourceKind:
         """Return the record with one state for each period of its option, if any."""
@@ -308,6 +393,29 @@ def _sized(kind: SourceKind, count: int) -> SourceKind:
     assert kind.of_periods is not None
     update, states = kind.of_periods(count)
     return replace(kind, function=update, states=states, of_periods=None)
+
+
+def _operand(number: int) -> str:
+    return f"operand{number + 1}"
+
+
+@cache
+def _conditional(kind: SourceKind, form: Condition) -> SourceKind:
+    assert kind.conditional is not None
+    update = kind.conditional
+    own = argument_names(update)
+    operands = [_operand(number) for number, _ in enumerate(form.operands())]
+    names = [*(name for name in own if name != "chosen"), *operands]
+
+    def with_condition(*arguments: X) -> X:
+        values = dict(zip(names, arguments, strict=True))
+        values["chosen"] = form.over(values[name] for name in operands)
+        return update(*(values[name] for name in own))
+
+    return replace(
+        kind, function=_Named(names, with_condition), conditional=None, linear=False, pace=None,
+        inverse_of="",
+    )  # fmt: skip
 
 
 class _Named:
@@ -411,6 +519,14 @@ def _integral(
     new = total + op.where(anti_windup > 0.0, back, increment)
     new = op.where(new > within_low, new, within_low)
     return op.where(new < within_high, new, within_high)
+
+
+def _following(*arguments: X) -> X:
+    """Return the followed signal within the limits where it is chosen, else the integral."""
+    *own, follows, chosen = arguments
+    _, _, low, high, *_ = own
+    followed = op.where(follows > low, follows, low)
+    return op.where(chosen, op.where(followed < high, followed, high), _integral(*own))
 
 
 def _deadband(x: X, width: X) -> X:
@@ -550,7 +666,9 @@ def _register() -> None:
                 "windup", "while its drive is at a limit: hold, or go back with a time constant"
             ),
             "start": OptionKind("figure", "its value before the first period"),
+            "follows": OptionKind("chosen", "a signal that it is while a condition holds"),
         },
+        conditional=_Named([*argument_names(_integral), "follows", "chosen"], _following),
         states=(SourceState("total", start="start"),),
         seconds=1,
         bounds=_of_integral,
@@ -642,3 +760,13 @@ def _register() -> None:
 
 
 _register()
+
+CHOICE = SourceKind(
+    "where",
+    (),
+    None,
+    doc="a signal while a condition holds, else another one",
+    options={"otherwise": OptionKind("chosen", "the other one", needed=True, alike=True)},
+    conditional=lambda x, otherwise, chosen: op.where(chosen, x, otherwise),
+)
+"""``A where CONDITION else B``: the one source that is not begun by its word."""

@@ -13,6 +13,7 @@ from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.program import Sheet
 from fuzzyarm.control.controllers.text import ZERO, ControllerText
 from fuzzyarm.language.model.controller import (
+    CHOICE,
     Axes,
     ControllerModel,
     Drive,
@@ -26,6 +27,7 @@ from fuzzyarm.language.model.controller import (
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.signals import choice_text
 from fuzzyarm.language.tokens import name_text
 
 if TYPE_CHECKING:
@@ -148,6 +150,8 @@ def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -
         return f"{_sum_words(line.products, word)}{limits}{slew}{on_nan}"
     if line.source is None:
         return _sum_words(line.products, word)
+    if line.source.kind == CHOICE.name:
+        return choice_text(line.source)
     factors = "".join(_factor(factor, word) for factor in line.products[0].factors)
     options = "".join(f", {option}" for option in option_words(line.source))
     return f"{_source_words(line.source)}{factors}{options}"

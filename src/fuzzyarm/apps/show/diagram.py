@@ -16,9 +16,11 @@ from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import TIMES, counted, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
+    CHOICE,
     SOURCES,
     Amount,
     Axes,
+    Chosen,
     ControllerModel,
     Drive,
     Factor,
@@ -30,6 +32,7 @@ from fuzzyarm.language.model.controller import (
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.signals import chosen_text, condition_text, number_or_name
 
 __all__ = ["BLOCK_KINDS", "Diagram", "DiagramBlock", "DiagramWire", "block_diagram", "time_text"]
 
@@ -41,6 +44,7 @@ BLOCK_KINDS = {
     "times": "a product, with / at the pin of a divisor",
     "constant": "a constant",
     **{word: kind.doc for word, kind in SOURCES.items() if kind.function is not None},
+    CHOICE.name: CHOICE.doc,
     "rules": "a rule base",
     "table": "a lookup table",
     "zoom": "signals magnified while all are small",
@@ -369,7 +373,9 @@ class _DiagramPart:
             if record.function is None:
                 return [pin]
             details = option_words(source)
-            return [(self._block(kind, kind, details, [(pin, "")], span=line.span), 0, "")]
+            signals = [name for name in source.others() if name in self.signals]
+            pins = [(pin, ""), *((self._read(name), "") for name in dict.fromkeys(signals))]
+            return [(self._block(kind, kind, details, pins, span=line.span), 0, "")]
         sources = [(self._read(variable), "") for variable in source.inputs]
         sources += [(pin, "learn") for pin in self.teachers.get(name, ())]
         outputs = line.names if len(line.names) > 1 else ("",)
@@ -502,7 +508,11 @@ def option_words(source: Source) -> list[str]:
     words = []
     kinds = source.record.options
     for word, value in source.options:
-        if isinstance(value, tuple):
+        if isinstance(value, Chosen) and source.kind == CHOICE.name:
+            words += [condition_text(value.condition), f"else {number_or_name(value.value)}"]
+        elif isinstance(value, Chosen):
+            words.append(f"{word} {chosen_text(value)}")
+        elif isinstance(value, tuple):
             words.append(f"{word} {number_text(value[0])} .. {number_text(value[1])}")
         elif value is True:
             words.append(" ".join((word, *kinds[word].rest)))

@@ -557,7 +557,7 @@ class _Writer:
         of = (self.axis, source.name)
         ports = source.record.ports
         if not ports:
-            return self.signal_cells[of]
+            return self._operand(source.name)
         values = {"reference": self.wiring.references, "measured": self.wiring.measured}
         if len(ports) == 1:
             return values[ports[0]][of]

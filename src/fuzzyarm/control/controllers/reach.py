@@ -35,7 +35,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.model.units import Unit, described_unit, of_difference, product, read_unit
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
-from fuzzyarm.symbolic.sources import Surroundings
+from fuzzyarm.symbolic.sources import Chosen, Surroundings
 
 FED_BACK, PORT, MADE = 3, 2, 1
 """Why a signal stays within its universe: the loop (errors and rates, small in a working loop),
@@ -342,7 +342,8 @@ class Ranges(Algebra[Reach]):
     def _meet_options(self, update: Update[Reach]) -> None:
         """Note gains that must have the unit of a source's operand."""
         unit = update.x.unit
-        for word, value in update.source.options:
+        for word, option in update.source.options:
+            value = option.value if isinstance(option, Chosen) else option
             if not isinstance(value, str) or not update.kind.options[word].alike:
                 continue
             own = self.period.operand(value).unit

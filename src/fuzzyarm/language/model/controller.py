@@ -22,12 +22,23 @@ from fuzzyarm.base.shown import one_line
 from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.symbolic.sources import SOURCES, OptionKind, Setting, SourceKind
+from fuzzyarm.symbolic.sources import (
+    CHOICE,
+    SOURCES,
+    Chosen,
+    Condition,
+    OptionKind,
+    Setting,
+    SourceKind,
+)
 
 __all__ = [
+    "CHOICE",
     "SOURCES",
     "Amount",
     "Axes",
+    "Chosen",
+    "Condition",
     "ControllerModel",
     "Drive",
     "Factor",
@@ -209,8 +220,9 @@ class Source:
 
     @property
     def record(self) -> SourceKind:
-        """The record of its kind; KindError if it is unknown."""
-        return SOURCES[self.kind]
+        """The record of its kind, with its condition; KindError if it is unknown."""
+        kind = CHOICE if self.kind == CHOICE.name else SOURCES[self.kind]
+        return kind.chosen(dict(self.options))
 
     def sized(self, period: float) -> SourceKind:
         """Return the record of its kind, with as many states as its options have periods."""
@@ -226,6 +238,12 @@ class Source:
         for word, value in self.options:
             if isinstance(value, str) and word in kinds and kinds[word].takes == "number":
                 yield value
+
+    def others(self) -> Iterator[str]:
+        """Yield the signals and gains that its options read, with those of a condition."""
+        for _, value in self.options:
+            if isinstance(value, Chosen):
+                yield from value.names()
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,6 +264,7 @@ class SignalLine:
         yield from _names_in(self.products)
         if self.source is not None:
             yield from self.source.inputs
+            yield from self.source.others()
             if self.source.record.of == "signal":
                 yield self.source.name
 

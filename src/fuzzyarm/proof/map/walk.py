@@ -31,6 +31,7 @@ from fuzzyarm.control.controllers.text import ControllerText, input_names
 from fuzzyarm.inference import infer
 from fuzzyarm.language.model.controller import Drive, SignalLine, Source, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.signals import choice_text, chosen_text
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 from fuzzyarm.proof.map.laws import (
     NOTHING,
@@ -56,7 +57,7 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import specialise
 from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
-from fuzzyarm.symbolic.sources import Setting
+from fuzzyarm.symbolic.sources import CHOICE, Chosen, Setting
 from fuzzyarm.table import LookupTable
 
 __all__ = ["Asked", "AxisLines", "LineWalk", "source_name"]
@@ -531,12 +532,16 @@ def _simple(ratio: Fraction) -> Fraction:
 
 def source_name(of: Source, *, whole: bool = False) -> str:
     """Return a source's name in verdicts, with all its options or its weight."""
+    if of.kind == CHOICE.name:
+        return choice_text(of)
     settings = [(word, value) for word, value in of.options if whole or word == "weight"]
     words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in settings)
     return f"{of.kind}{of.record.joined} {of.name}{words}"
 
 
 def _setting_words(of: Source, word: str, value: Setting) -> str:
+    if isinstance(value, Chosen):
+        return chosen_text(value)
     if isinstance(value, tuple):
         return " .. ".join(f"{end:g}" for end in value)
     seconds = isinstance(value, float) and of.record.options[word].takes in ("time", "windup")
