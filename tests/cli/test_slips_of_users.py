@@ -44,6 +44,24 @@ def test_what_nothing_has_is_refused(words, sentence, capsys):
     assert sentence in said(capsys, "simulate", SERVO, *SHORT, *words, status=2).err
 
 
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--set", "J=x"], "--set J=x: 'x' is not a number"),
+        (["--set", "J=nan"], "--set J=nan: 'nan' is not a number"),
+        (["--set", "J"], "--set takes NAME=NUMBER, not 'J'"),
+        (["--set", "J=1..3"], "--sweep NAME=LOW..HIGH:COUNT"),
+        (["--for", "-5s"], "--for takes a time with a unit (us, ms, s, min, h), not '-5s'"),
+        (["--noise", "position=-1"], "--noise position=-1 is out of range"),
+        (["--noise", "position=nan"], "--noise takes a number, not 'nan'"),
+        (["--noise", "position=1", "--noise", "position=2"], "--noise names 'position' twice"),
+        (["--quantise", "position=-1"], "--quantise position=-1 is out of range"),
+    ],
+)
+def test_a_wrong_value_is_named_as_it_is_typed(words, sentence, capsys):
+    assert sentence in said(capsys, "simulate", SERVO, "--plant", "motor", *words, status=2).err
+
+
 def test_a_time_that_is_not_one_of_set_points_is_said(capsys):
     err = said(capsys, "simulate", str(shipped("heater.frb")), "--for", "1s", status=0).err
     assert "1 s are not a whole number of set points of 10 s: 10 s are run" in err

@@ -135,7 +135,7 @@ def test_run_without_a_sample_prints_null(capsys):
         (["pd", "--hold", "nan"], 2),
         (["pd", "--set", "K_P"], 2),
         (["pd", "--set", "K_P=x"], 2),
-        (["pd", "--set", "K_P=inf"], 1),
+        (["pd", "--set", "K_P=inf"], 2),
         (["pd", "--set", "nothing=1"], 1),
         (["pd", "--loaded", "9"], 1),
         (["pd", "--limits", "0", "1"], 2),

@@ -41,7 +41,7 @@ class StateStretch(NamedTuple):
 def _read_stretch(cursor: Cursor, what: str, offered: str) -> StateStretch:
     cursor.suggest(offered)
     name = cursor.name(what)
-    cursor.expect("in", f"after '{name}'")
+    cursor.expect("in", f"after '{name}' ({name_text(name)} in 1 .. 2)")
     low = cursor.figure("the lowest value")
     cursor.expect("..", "between the ends of the interval")
     return StateStretch(name, low, cursor.figure("the highest value"))

@@ -79,8 +79,8 @@ class Command(NamedTuple):
 
     def add_to(self, parser: argparse.ArgumentParser) -> list[argparse.Action]:
         """Add the arguments to a parser, each in its group; return the actions."""
-        # A signed list of numbers, such as the way point -30,45, is not an option.
-        parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
+        # No option begins with a digit: -30,45 is a way point, and -5s a wrong time.
+        parser._negative_number_matcher = re.compile(r"-\.?\d")
         groups: dict[tuple[str, str], Any] = {("", ""): parser}
         actions: list[argparse.Action] = []
         for argument in self.arguments:

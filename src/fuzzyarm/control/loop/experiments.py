@@ -5,7 +5,9 @@ Shared by the commands that run a loop and by the Python calls.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -118,15 +120,23 @@ def overrides(words: Sequence[str]) -> dict[str, list[float]]:
     """Return the gains in words like ``K_P=120,80``."""
     values = {}
     for word in words:
-        name, equals, text = word.partition("=")
-        try:
-            values[name.strip()] = [float(part) for part in text.split(",")]
-        except ValueError:
-            hint = "as in K_P=120 or K_P=120,80"
-            raise UsageError(f"'{word}' does not set a gain", hint=hint) from None
-        if not equals:
-            raise UsageError(f"'{word}' does not set a gain", hint="as in K_P=120")
+        name, _, text = word.partition("=")
+        if not name.strip() or not text.strip():
+            raise UsageError(f"--set takes NAME=NUMBER, not '{word}'", hint="as in K_P=120")
+        values[name.strip()] = [_number_of(part.strip(), word) for part in text.split(",")]
     return values
+
+
+def _number_of(text: str, word: str) -> float:
+    """Return a finite number of ``--set``."""
+    with suppress(ValueError):
+        value = float(text)
+        if math.isfinite(value):
+            return value
+    hint = "as in K_P=120 or K_P=120,80"
+    if ".." in text:
+        hint = "--sweep NAME=LOW..HIGH:COUNT runs over a range"
+    raise UsageError(f"--set {word}: '{text}' is not a number", hint=hint)
 
 
 def split_settings(

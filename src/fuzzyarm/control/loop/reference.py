@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.names import near_hint, shortened
-from fuzzyarm.base.numbers import read_time
+from fuzzyarm.base.numbers import counted, read_time
 from fuzzyarm.base.protected import note_source
 from fuzzyarm.plant.plant import PlantError
 
@@ -60,7 +60,7 @@ class Signal:
             raise SignalError(f"no reference is called '{self.kind}'", name=self.kind, hint=hint)
         if self.kind != "file" and not kind.least <= len(self.numbers) <= len(kind.words):
             hint = f"{self.kind}:{','.join(kind.words)}"
-            message = f"a {self.kind} does not take {len(self.numbers)} numbers"
+            message = f"a {self.kind} does not take {counted(len(self.numbers), 'number')}"
             raise SignalError(message, name=self.kind, hint=hint)
         for number in self.numbers:
             if not math.isfinite(number) or abs(number) > 1e12:

@@ -142,17 +142,22 @@ def sensors_of(request: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
     """Return the non-ideal sensors by port; WordError for an invalid word."""
     sensors: dict[str, Sensor] = {}
 
-    def change(values: Mapping[str, float], field: str) -> None:
+    def change(values: Mapping[str, float], field: str, option: str = "") -> None:
         for name, value in values.items():
-            sensors[name] = replace(sensors.get(name, Sensor()), **{field: value})
+            try:
+                sensors[name] = replace(sensors.get(name, Sensor()), **{field: value})
+            except PlantError as error:
+                message = f"--{option or field} {name}={value:g} is out of range"
+                raise UsageError(message, hint=error.hint) from None
 
     steps = {
         name: _resolution(text, name, plant)
         for name, text in read_pairs(request.quantise, "--quantise", str).items()
     }
     change(read_pairs(request.noise, "--noise", read_number("--noise")), "noise")
-    change(steps, "resolution")
-    change(read_pairs(request.sensor_delay, "--sensor-delay", _time_of("--sensor-delay")), "delay")
+    change(steps, "resolution", "quantise")
+    delays = read_pairs(request.sensor_delay, "--sensor-delay", _time_of("--sensor-delay"))
+    change(delays, "delay", "sensor-delay")
     change(read_pairs(request.difference, "--difference", _time_of("--difference")), "difference")
     return sensors
 
@@ -166,6 +171,8 @@ def read_pairs(
         name, equals, text = word.partition("=")
         if not equals or not name.strip() or not text.strip():
             raise UsageError(f"{option} takes NAME=VALUE, not '{word}'")
+        if name.strip() in pairs:
+            raise UsageError(f"{option} names '{name.strip()}' twice")
         pairs[name.strip()] = read(text.strip())
     return pairs
 
@@ -179,9 +186,12 @@ def read_number(option: str) -> Callable[[str], float]:
 
     def read(text: str) -> float:
         try:
-            return float(text)
+            value = float(text)
         except ValueError:
-            raise UsageError(f"{option} takes a number, not '{text}'") from None
+            value = math.nan
+        if math.isnan(value):
+            raise UsageError(f"{option} takes a number, not '{text}'")
+        return value
 
     return read
 

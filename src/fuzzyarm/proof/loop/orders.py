@@ -299,7 +299,8 @@ def loop_of(request: ProveRequest, controller: ControllerText | None) -> Control
     if controller is None:
         raise WordError(
             f"{request.files[0]} is not a controller:"
-            " --stable, --map, --claim and --for are about loops"
+            " --stable, --map, --claim and --for are about loops",
+            hint="a claim about a rule base is a line of it, as in  prove y rises with x",
         )
     return controller
 

@@ -90,7 +90,7 @@ def rest_in_floats(
         if size < 1e-12 or last <= size < 1e-9:
             return dict(zip(names, y.tolist(), strict=True))
         last = size
-    raise LoopProofError("it was not found where the loop rests")
+    raise LoopProofError("no rest of the loop was found")
 
 
 def _guess(problem: LoopProblem) -> list[float]:
