@@ -18,9 +18,10 @@ from fuzzyarm.proof.loop import StartMap, read_claim
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
+from fuzzyarm.proof.loop.map_search import _remaining
 from fuzzyarm.proof.loop.planes import RulePlanes
 from fuzzyarm.proof.loop.runs import run_of
-from fuzzyarm.proof.loop.start_map import MappedBox, _remaining
+from fuzzyarm.proof.loop.start_map import MappedBox
 from fuzzyarm.proof.loop.symmetry import is_odd
 from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.requests.prove import ProveRequest

@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.proof.check.numbers import SpanError
-from fuzzyarm.proof.check.rules import RuleSurface, coefficients
+from fuzzyarm.proof.check.polynomials import coefficients
+from fuzzyarm.proof.check.rules import RuleSurface
 from fuzzyarm.proof.check.spans import Spans
 
 __all__ = ["RuleBands"]

@@ -21,34 +21,56 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property, lru_cache
-from itertools import combinations, pairwise, permutations
+from functools import cached_property
+from itertools import pairwise, permutations
 from itertools import product as every
 from typing import Any, NamedTuple
 
-from flint import arb, fmpq, fmpq_mat, fmpq_mpoly_ctx
+from flint import fmpq
 
 from fuzzyarm.language.model.rulebase import And, Hedged, Input, Is, Output, RuleBase, Shape
-from fuzzyarm.language.model.shapes import polyline
+from fuzzyarm.proof.check.clipped import (
+    ClippedSet,
+    Corners,
+    UndecidedError,
+    corners_of,
+    height_at,
+    height_beside,
+    lower_of,
+)
 from fuzzyarm.proof.check.numbers import (
     ONE,
     ZERO,
     Number,
     SpanError,
-    between,
     exact,
     float_above,
     float_below,
     hull,
 )
+from fuzzyarm.proof.check.pieces import (
+    BoundedPiece,
+    Piece,
+    gradients_of,
+    is_within,
+    sides_of,
+    slope_along,
+)
+from fuzzyarm.proof.check.polynomials import (
+    Polynomial,
+    Vector,
+    dot,
+    is_not_negative,
+    is_positive,
+    linear,
+    plus,
+    ratio,
+    ring_of,
+)
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
-from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = ["RuleSurface", "RuleSurfaces", "coefficients"]
-
-DEEPEST = 14
-"""How often a simplex is halved before a claim is given up."""
+__all__ = ["RuleSurface", "RuleSurfaces"]
 
 MOST_PIECES = 200_000
 """Simplices of one region."""
@@ -56,200 +78,7 @@ MOST_PIECES = 200_000
 BEYOND = 4
 """Widths of a range by which an input that is used unclipped may be outside it."""
 
-GRID = 1 << 20
-"""Parts of a simplex to which shares are rounded."""
-
-Vector = tuple[fmpq, ...]
-Corners = tuple[tuple[fmpq, fmpq], ...]
-Polynomial = Any
-"""Homogeneous in barycentric coordinates: of the type fmpq_mpoly."""
-
 Region = Mapping[str, tuple[Number, Number]]
-
-
-class _UndecidedError(Exception):
-    """A difference of two heights that has both signs at the corners of a simplex."""
-
-    def __init__(self, gap: Vector) -> None:
-        self.gap = gap
-
-
-# ── polynomials ──────────────────────────────────────────────────────────────────────
-
-
-@lru_cache(maxsize=32)
-def _ring(size: int) -> tuple[Any, list[Polynomial]]:
-    ring = fmpq_mpoly_ctx.get([f"l{k}" for k in range(size)])
-    return ring, list(ring.gens())
-
-
-def _linear(values: Vector) -> Polynomial:
-    """Return the polynomial with some values at the corners."""
-    ring, units = _ring(len(values))
-    return sum((x * unit for x, unit in zip(values, units, strict=True)), ring.constant(ZERO))
-
-
-def _level(p: Polynomial, q: Polynomial, size: int) -> tuple[Polynomial, Polynomial]:
-    """Return both of the same degree: times (λ₀ + … + λ_d)ⁿ, which is 1."""
-    gap = p.total_degree() - q.total_degree()
-    if p.is_zero() or q.is_zero() or not gap:
-        return p, q
-    unit = sum(_ring(size)[1]) ** abs(gap)
-    return (p, q * unit) if gap > 0 else (p * unit, q)
-
-
-def _plus(p: Polynomial, q: Polynomial, factor: fmpq) -> Polynomial:
-    p, q = _level(p, q, len(p.context().gens()))
-    return p + q * factor
-
-
-def _is_positive(p: Polynomial) -> bool:
-    """Tell whether a polynomial is positive on the whole simplex, corners included."""
-    terms, degree = p.to_dict(), p.total_degree()
-    corners = sum(max(powers) == degree for powers in terms)
-    return corners == len(p.context().gens()) and all(x > 0 for x in terms.values())
-
-
-def _is_not_negative(p: Polynomial, depth: int = DEEPEST) -> bool:
-    """Tell whether a polynomial is shown to be at least 0 on its simplex, by halving it."""
-    negative = {powers: x for powers, x in p.to_dict().items() if x < 0}
-    if not negative:
-        return True
-    degree = p.total_degree()
-    if not depth or any(max(powers) == degree for powers in negative):
-        return False  # a corner where it is negative
-    check_time()
-    units = _ring(len(next(iter(negative))))[1]
-    # The edge along which the coefficients bend most.
-    i, j = max(
-        combinations(range(len(units)), 2),
-        key=lambda pair: sum(-x * (k[pair[0]] + k[pair[1]]) for k, x in negative.items()),
-    )
-    half = fmpq(1, 2)
-    return all(_is_not_negative(_moved(p, a, b, half), depth - 1) for a, b in ((i, j), (j, i)))
-
-
-def _moved(p: Polynomial, stays: int, moves: int, share: fmpq) -> Polynomial:
-    """Return p on the simplex whose one corner moves to ``(1 - share) stays + share moves``."""
-    units = list(_ring(len(p.context().gens()))[1])
-    units[stays] = units[stays] + units[moves] * (ONE - share)
-    units[moves] = units[moves] * share
-    return p.compose(*units)
-
-
-def _ratio(p: Polynomial, q: Polynomial) -> Number:
-    """Return bounds of p/q, q positive: of a degree at which no coefficient of q is 0."""
-    size = len(q.context().gens())
-    unit = sum(_ring(size)[1])
-    p, q = _level(p, q, size)
-    for _ in range(3):
-        lower, upper = q.to_dict(), p.to_dict()
-        whole = math.comb(q.total_degree() + size - 1, size - 1)
-        if len(lower) == whole and all(x > 0 for x in lower.values()):
-            ratios = [upper.get(powers, ZERO) / x for powers, x in lower.items()]
-            return between(min(ratios), max(ratios))
-        p, q = p * unit, q * unit
-    raise SpanError("a rule base may have no value somewhere")
-
-
-# ── lines ────────────────────────────────────────────────────────────────────────────
-
-
-def _corners(shape: Shape, of: str) -> Corners:
-    if shape.kind == "formula" or not SHAPES[shape.kind].straight:
-        raise LoopProofError(f"{of} is not made of straight pieces: a {shape.kind}")
-    return tuple((exact(x), exact(y)) for x, y in polyline(shape))
-
-
-def _limit(corners: Corners, x: fmpq, *, right: bool) -> fmpq:
-    """Return the height of a line next to a point, on its right or its left side."""
-    after = sum(a <= x if right else a < x for a, _ in corners)
-    if after in (0, len(corners)):
-        return corners[0][1] if not after else corners[-1][1]
-    (x0, y0), (x1, y1) = corners[after - 1], corners[after]
-    return y0 + (y1 - y0) / (x1 - x0) * (x - x0)
-
-
-def _at(corners: Corners, x: fmpq) -> fmpq:
-    """Return the height at a point, the greatest on a vertical edge."""
-    return max((y for a, y in corners if a == x), default=_limit(corners, x, right=True))
-
-
-class _ClippedSet:
-    """Area and moment of a set of straight lines, clipped at a height, as polynomials of it."""
-
-    def __init__(self, segments: Sequence[tuple[fmpq, fmpq, fmpq, fmpq]]) -> None:
-        self.segments = segments
-        heights = {y for _, y0, _, y1 in segments for y in (y0, y1)}
-        self.levels = sorted(heights | {ZERO})
-        self.is_empty = not any(y0 > 0 or y1 > 0 for _, y0, _, y1 in segments)
-
-    @lru_cache(maxsize=256)  # noqa: B019
-    def polynomials(self, layer: int) -> tuple[Vector, Vector]:
-        """Return coefficients of powers of the height, which lies above the level of a number."""
-        level = self.levels[layer]
-        area, moment = [ZERO] * 3, [ZERO] * 4
-        for x0, y0, x1, y1 in self.segments:
-            width = x1 - x0
-            (a, low), (b, high) = ((x0, y0), (x1, y1)) if y0 <= y1 else ((x1, y1), (x0, y0))
-            way, rise = b - a, high - low
-            if level >= high:  # all of it, a trapezium
-                area[0] += width * (low + high) / 2
-                moment[0] += width * (a * (low + high) / 2 + way * (low + 2 * high) / 6)
-                continue
-            # ∫ min(h, μ) = h, and of the moment a h + (b − a) h/2, times the width.
-            area[1] += width
-            moment[1] += width * (a + way / 2)
-            if level >= low and rise:
-                # Less rise s²/2 and a rise s²/2 + (b − a) rise s³/6, where s = (h − low)/rise.
-                for k, weight in enumerate((low * low, -2 * low, ONE)):
-                    area[k] -= width * weight / (2 * rise)
-                    moment[k] -= width * a * weight / (2 * rise)
-                cube = (-low * low * low, 3 * low * low, -3 * low, ONE)
-                for k, weight in enumerate(cube):
-                    moment[k] -= width * way * weight / (6 * rise * rise)
-        return tuple(area), tuple(moment)
-
-    def layer_of(self, height: Vector) -> int:
-        """Return the number of the layer in which a height is; undecided if in several."""
-        low, high = min(height), max(height)
-        for number, level in enumerate(self.levels):
-            if low < level < high:
-                raise _UndecidedError(tuple(x - level for x in height))
-            if level >= high and number:
-                return number - 1
-        return len(self.levels) - 1
-
-
-def _lower_of(first: _ClippedSet, second: _ClippedSet) -> _ClippedSet:
-    """Return the lower of two sets."""
-    segments = []
-    for (a0, p0, a1, p1), (b0, q0, b1, q1) in every(first.segments, second.segments):
-        low, high = max(a0, b0), min(a1, b1)
-        if low >= high:
-            continue
-        steep, other = (p1 - p0) / (a1 - a0), (q1 - q0) / (b1 - b0)
-        cuts = [low, high]
-        if steep != other:
-            meet = (q0 - other * b0 - p0 + steep * a0) / (steep - other)
-            cuts = [low, meet, high] if low < meet < high else cuts
-        for x0, x1 in pairwise(cuts):
-            y0, y1 = (min(p0 + steep * (x - a0), q0 + other * (x - b0)) for x in (x0, x1))
-            if y0 > 0 or y1 > 0:
-                segments.append((x0, y0, x1, y1))
-    return _ClippedSet(segments)
-
-
-# ── the rule base ────────────────────────────────────────────────────────────────────
-
-
-class Piece(NamedTuple):
-    """A simplex and an output on it, ``upper / lower``; `fault`: why it has no value there."""
-
-    corners: tuple[Vector, ...]
-    upper: Polynomial
-    lower: Polynomial
-    fault: str = ""
 
 
 class _Rule(NamedTuple):
@@ -276,7 +105,7 @@ class RuleSurface:
         self.adds = self.output.aggregation == "sum"
         self._read()
         self._claimed: dict[object, tuple[list[Piece], bool]] = {}
-        self._cells: dict[tuple[int, ...], list[_Bounded]] = {}
+        self._cells: dict[tuple[int, ...], list[BoundedPiece]] = {}
 
     # --- reading ---
 
@@ -346,7 +175,7 @@ class RuleSurface:
             if not isinstance(variable, Input):
                 raise self._refuse(f"'{node.variable}' is an output")
             where = f"'{node.variable} is {node.term}'"
-            self.lines[node.variable, node.term] = _corners(variable.term(node.term).shape, where)
+            self.lines[node.variable, node.term] = corners_of(variable.term(node.term).shape, where)
         else:
             for part in (node.operand,) if isinstance(node, Hedged) else node.operands:
                 self._note(part)
@@ -354,7 +183,7 @@ class RuleSurface:
     def _conclude(self, terms: Sequence[Shape], *, scaled: bool) -> None:
         """Fill in what columns conclude: affine numbers with areas, or groups of sets."""
         self.values: list[tuple[fmpq, Vector]] = []
-        self.areas, self.groups = [ONE] * len(terms), list[tuple[tuple[int, ...], _ClippedSet]]()
+        self.areas, self.groups = [ONE] * len(terms), list[tuple[tuple[int, ...], ClippedSet]]()
         none = (ZERO,) * len(self.names)
         for number, shape in enumerate(terms):
             if shape.kind == "linear":
@@ -380,12 +209,12 @@ class RuleSurface:
             self._unite(len(terms))
         self.of_sets = self.of_sets and not scaled
 
-    def _set_of(self, shape: Shape) -> _ClippedSet:
-        corners = _corners(shape, f"a term of '{self.output.name}'")
+    def _set_of(self, shape: Shape) -> ClippedSet:
+        corners = corners_of(shape, f"a term of '{self.output.name}'")
         low, high = exact(self.output.low), exact(self.output.high)
         cuts = [low, *sorted({x for x, _ in corners if low < x < high}), high]
-        return _ClippedSet([
-            (a, _limit(corners, a, right=True), b, _limit(corners, b, right=False))
+        return ClippedSet([
+            (a, height_beside(corners, a, right=True), b, height_beside(corners, b, right=False))
             for a, b in pairwise(cuts)
         ])  # fmt: skip
 
@@ -396,7 +225,7 @@ class RuleSurface:
             wider = []
             for members, whole in last:
                 for other in range(members[-1] + 1, count):
-                    group = _lower_of(whole, self.groups[other][1])
+                    group = lower_of(whole, self.groups[other][1])
                     if not group.is_empty:
                         wider.append(((*members, other), group))
             if len(self.groups) + len(wider) > 4096:
@@ -413,9 +242,9 @@ class RuleSurface:
         cuts = [low, *sorted(inner), high] if low < high else [low]
         jumps = []
         for x in cuts:
-            sides = [[_limit(c, x, right=right) for c in lines]
+            sides = [[height_beside(c, x, right=right) for c in lines]
                      for right, end in ((False, low), (True, high)) if x != end]  # fmt: skip
-            here = [_at(c, x) for c in lines]
+            here = [height_at(c, x) for c in lines]
             jumps.append(any(side != here for side in sides))
             if sides and here not in sides:
                 raise self._refuse(f"a term of '{name}' has a value of its own at a point")
@@ -442,10 +271,13 @@ class RuleSurface:
             axis = self.names.index(name)
             low, high = cell[axis]
             if low < high:
-                at = _limit(corners, low, right=True), _limit(corners, high, right=False)
+                at = (
+                    height_beside(corners, low, right=True),
+                    height_beside(corners, high, right=False),
+                )
                 lines[name, term] = axis, at[0], (at[1] - at[0]) / (high - low), low
             else:
-                lines[name, term] = axis, _at(corners, low), ZERO, low
+                lines[name, term] = axis, height_at(corners, low), ZERO, low
         rules = [rule for rule in self.rules if self._may_fire(rule.antecedent, lines, cell)]
         waiting, count = list(self._simplices(cell, free)), 0
         while waiting:
@@ -456,7 +288,7 @@ class RuleSurface:
             check_time()
             try:
                 yield self._piece(corners, rules, lines)
-            except _UndecidedError as undecided:
+            except UndecidedError as undecided:
                 gap = undecided.gap
                 i, j = gap.index(max(gap)), gap.index(min(gap))
                 share = gap[i] / (gap[i] - gap[j])
@@ -490,28 +322,28 @@ class RuleSurface:
         upper, lower = self._clipped(heights, corners) if self.of_sets else self._averaged(
             heights, corners)  # fmt: skip
         piece = Piece(corners, upper, lower)
-        if not _is_positive(lower):
+        if not is_positive(lower):
             return piece._replace(fault=f"'{self.name}' may have no value somewhere")
         low, high = exact(self.output.low), exact(self.output.high)
-        if self.output.outside != "extend" and not _is_within(piece, low, high):
+        if self.output.outside != "extend" and not is_within(piece, low, high):
             return piece._replace(fault=f"'{self.output.name}' leaves its range")
         return piece
 
     def _averaged(self, heights: Mapping[int, Any], corners: tuple[Vector, ...]) -> Any:
-        ring, units = _ring(len(corners))
+        ring, units = ring_of(len(corners))
         upper = lower = ring.constant(ZERO)
         for column, height in heights.items():
             constant, weights = self.values[column]
             share = _polynomial(height) * self.areas[column]
-            at = tuple(constant + _dot(weights, corner) for corner in corners)
-            upper = _plus(upper, share * _linear(at), ONE)
-            lower = _plus(lower, share, ONE)
-        if self.output.defuzzifier.record.of == "sum" and _is_positive(lower):
+            at = tuple(constant + dot(weights, corner) for corner in corners)
+            upper = plus(upper, share * linear(at), ONE)
+            lower = plus(lower, share, ONE)
+        if self.output.defuzzifier.record.of == "sum" and is_positive(lower):
             return upper, sum(units)
         return upper, lower
 
     def _clipped(self, heights: Mapping[int, Any], corners: tuple[Vector, ...]) -> Any:
-        ring, units = _ring(len(corners))
+        ring, units = ring_of(len(corners))
         unit = sum(units)
         upper = lower = ring.constant(ZERO)
         for members, group in self.groups:
@@ -523,7 +355,7 @@ class RuleSurface:
             if not isinstance(height, tuple):
                 raise self._refuse("sets that are clipped at products")
             area, moment = group.polynomials(group.layer_of(height))
-            h = _linear(height)
+            h = linear(height)
             sign = 1 if len(members) % 2 else -1
             lower += sum(a * h**k * unit ** (2 - k) for k, a in enumerate(area) if a) * sign
             upper += sum(b * h**k * unit ** (3 - k) for k, b in enumerate(moment) if b) * sign
@@ -573,7 +405,7 @@ class RuleSurface:
         gap = tuple(x - y for x, y in zip(a, b, strict=True))
         low, high = min(gap), max(gap)
         if low < 0 < high:
-            raise _UndecidedError(gap)
+            raise UndecidedError(gap)
         return a if (low >= 0) == larger else b
 
     # --- claims ---
@@ -602,7 +434,7 @@ class RuleSurface:
 
     def has_range(self, region: Region, low: fmpq, high: fmpq) -> bool:
         """Tell whether the output is proved to lie between two numbers over a region."""
-        return all(_is_within(piece, low, high) for piece in self._cut(region)[0])
+        return all(is_within(piece, low, high) for piece in self._cut(region)[0])
 
     def has_sector(
         self, region: Region, weights: Mapping[str, fmpq], low: fmpq, high: fmpq
@@ -610,12 +442,12 @@ class RuleSurface:
         """Tell whether the output is proved to be σ = Σ wᵢ xᵢ times a gain between two numbers."""
         row = tuple(weights.get(name, ZERO) for name in self.names)
         for piece in self._cut(region)[0]:
-            for side in _sides(piece, row):
-                sums = tuple(_dot(row, corner) for corner in side.corners)
+            for side in sides_of(piece, row):
+                sums = tuple(dot(row, corner) for corner in side.corners)
                 sign = fmpq(-1) if any(total < 0 for total in sums) else ONE
-                along = _linear(sums) * side.lower
+                along = linear(sums) * side.lower
                 for gain, way in ((low, sign), (high, -sign)):
-                    if not _is_not_negative(_plus(side.upper, along, -gain) * way):
+                    if not is_not_negative(plus(side.upper, along, -gain) * way):
                         return False
         return True
 
@@ -627,20 +459,23 @@ class RuleSurface:
         axis = self.names.index(name)
         moving = [k for k, other in enumerate(self.names) if region[other][0] < region[other][1]]
         for piece in pieces:
-            gradient = _gradients(piece, moving)
+            gradient = gradients_of(piece, moving)
             if gradient is None:
                 continue  # a piece without a volume
-            steep, area = _slope(piece, gradient, moving.index(axis)), piece.lower * piece.lower
+            steep, area = (
+                slope_along(piece, gradient, moving.index(axis)),
+                piece.lower * piece.lower,
+            )
             if not (
-                _is_not_negative(_plus(steep, area, -low))
-                and _is_not_negative(_plus(area * high, steep, -ONE))
+                is_not_negative(plus(steep, area, -low))
+                and is_not_negative(plus(area * high, steep, -ONE))
             ):
                 return False
         return True
 
     def value(self, region: Region) -> Number:
         """Return where the output is over a region, from the coefficients."""
-        return hull(*(_ratio(piece.upper, piece.lower) for piece in self._cut(region)[0]))
+        return hull(*(ratio(piece.upper, piece.lower) for piece in self._cut(region)[0]))
 
     # --- bounds for tubes ---
 
@@ -672,7 +507,7 @@ class RuleSurface:
 
     def _touched(
         self, inputs: Mapping[str, Number]
-    ) -> Iterator[tuple[_Bounded, list[tuple[Number, Number]]]]:
+    ) -> Iterator[tuple[BoundedPiece, list[tuple[Number, Number]]]]:
         """Yield the pieces that a box of inputs touches, each with its shares there."""
         indices = []
         for name, (cuts, jumps, near) in zip(self.names, self.grid, strict=True):
@@ -699,136 +534,19 @@ class RuleSurface:
         if nothing:
             raise SpanError(f"'{self.name}' is asked outside its range")
 
-    def pieces_of(self, cell: tuple[int, ...]) -> list[_Bounded]:
+    def pieces_of(self, cell: tuple[int, ...]) -> list[BoundedPiece]:
         """Return the pieces of a cell between corners of terms, by its number along each axis."""
         if cell not in self._cells:
             ends = [(cuts[k], cuts[k + 1]) for k, (cuts, _, _) in zip(cell, self.grid, strict=True)]
-            self._cells[cell] = [_Bounded(piece) for piece in self._cut_cell(ends)]
+            self._cells[cell] = [BoundedPiece(piece) for piece in self._cut_cell(ends)]
         return self._cells[cell]
 
 
-class _Bounded:
-    """A piece of full dimension with bounds of its value and its slopes, found when wanted."""
-
-    def __init__(self, piece: Piece) -> None:
-        self.piece = piece
-        axes = range(len(piece.corners[0]))
-        gradient = _gradients(piece, axes)
-        self.is_flat = gradient is None
-        if gradient is not None:
-            self.gradient = gradient
-            # λᵢ(x) = Σ gᵢₖ (xₖ − x₀ₖ), and 1 more for the corner x₀ itself.
-            self.origin = piece.corners[0]
-
-    def shares(self, box: Sequence[Number]) -> list[tuple[Number, Number]] | None:
-        """Return bounds of the barycentric coordinates in a box; None: it is not in the piece."""
-        if self.is_flat:
-            return None
-        away = [arb(x) - arb(x0) for x, x0 in zip(box, self.origin, strict=True)]
-        found = []
-        for k, row in enumerate(self.gradient):
-            share = arb(int(k == 0))
-            for x, weight in zip(away, row, strict=True):
-                share += x * weight
-            low, high = share.lower(), share.upper()
-            if high < 0 or low > 1:
-                return None
-            found.append((low if low > 0 else arb(0), high if high < 1 else arb(1)))
-        return found
-
-    def bounds(
-        self,
-        axes: Sequence[int],
-        shares: Sequence[tuple[Number, Number]],
-        box: Sequence[Number],
-    ) -> tuple[Number, list[Number]]:
-        """Return bounds of the value, and of slopes along some axes, where shares are."""
-        if not axes and all((high - low) * GRID < 1 for low, high in shares):  # a point
-            upper, lower = (_bounds(terms, shares) for terms in self._terms)
-            return (upper / lower if lower > 0 else self._whole[0]), []
-        if self.constant is not None:
-            away = tuple(arb(x) - x0 for x, x0 in zip(box, self.origin, strict=True))
-            value = self._whole[2] + _dot(away, self.constant)
-            return value, [self.constant[axis] for axis in axes]
-        small, _, size = self._smaller(shares)
-        upper, lower = (p.compose(*small) for p in (self.piece.upper, self.piece.lower))
-        part, area = Piece(self.piece.corners, upper, lower), lower * lower * size
-        slopes = [_ratio(_slope(part, self.gradient, axis), area) for axis in axes]
-        return _ratio(upper, lower), slopes
-
-    @cached_property
-    def constant(self) -> Vector | None:
-        """The slopes, where they are the same all over the piece."""
-        slopes = self._whole[1]
-        return tuple(slopes) if all(isinstance(slope, fmpq) for slope in slopes) else None
-
-    def _smaller(
-        self, shares: Sequence[tuple[Number, Number]]
-    ) -> tuple[list[Polynomial], list[Vector], fmpq]:
-        """Return the simplex where λᵢ ≥ aᵢ: λ = a + (1 − Σ a) μ by μ, its corners, 1 − Σ a."""
-        steps = (int((low * GRID).floor().unique_fmpz()) - 1 for low, _ in shares)
-        lows = [fmpq(max(step, 0), GRID) for step in steps]
-        size = ONE - sum(lows, ZERO)
-        if size <= 0:  # it only seems to be there
-            size, lows = ONE, [ZERO] * len(lows)
-        units = _ring(len(shares))[1]
-        unit = sum(units)
-        small = [unit * a + x * size for a, x in zip(lows, units, strict=True)]
-        whole = list(zip(*self.piece.corners, strict=True))
-        base = tuple(_dot(tuple(lows), axis) for axis in whole)
-        corners = [
-            tuple(b + size * x for b, x in zip(base, corner, strict=True))
-            for corner in self.piece.corners
-        ]
-        return small, corners, size
-
-    @cached_property
-    def _terms(self) -> list[list[tuple[Any, Number]]]:
-        return [[(powers, arb(x)) for powers, x in p.to_dict().items()]
-                for p in (self.piece.upper, self.piece.lower)]  # fmt: skip
-
-    @cached_property
-    def _whole(self) -> tuple[Number, list[Number], fmpq]:
-        """Bounds of the value and of the slopes on all of it, and the value at its first corner."""
-        piece, axes = self.piece, range(len(self.gradient[0]))
-        area = piece.lower * piece.lower
-        slopes = [_ratio(_slope(piece, self.gradient, axis), area) for axis in axes]
-        up, down = (_coefficient(p.to_dict()) for p in (piece.upper, piece.lower))
-        return _ratio(piece.upper, piece.lower), slopes, up / down
-
-
-def coefficients(polynomial: Polynomial, degree: int) -> dict[tuple[int, ...], fmpq]:
-    """Return the coefficients of a polynomial at a degree that is not below its own."""
-    if polynomial.is_zero():
-        return {}
-    unit = sum(_ring(len(polynomial.context().gens()))[1])
-    raised = polynomial * unit ** (degree - int(polynomial.total_degree()))
-    return {tuple(int(k) for k in powers): x for powers, x in raised.to_dict().items()}
-
-
-def _coefficient(terms: Mapping[Any, fmpq]) -> fmpq:
-    """Return the value of a polynomial at the first corner."""
-    return next((x for powers, x in terms.items() if not any(powers[1:])), ZERO)
-
-
-def _bounds(terms: Any, shares: Sequence[tuple[Number, Number]]) -> Number:
-    """Return bounds of a polynomial of numbers that are not negative, term by term."""
-    low, high = arb(0), arb(0)
-    for powers, x in terms:
-        small = large = x
-        for power, (a, b) in zip(powers, shares, strict=True):
-            for _ in range(power):
-                small, large = small * a, large * b
-        low += small if x > 0 else large
-        high += large if x > 0 else small
-    return between(low.lower(), high.upper())
-
-
-# ── heights and pieces ───────────────────────────────────────────────────────────────
+# ── heights ──────────────────────────────────────────────────────────────────────────
 
 
 def _polynomial(height: Any) -> Polynomial:
-    return _linear(height) if isinstance(height, tuple) else height
+    return linear(height) if isinstance(height, tuple) else height
 
 
 def _times(height: Any, weight: fmpq) -> Any:
@@ -838,67 +556,11 @@ def _times(height: Any, weight: fmpq) -> Any:
 def _add(a: Any, b: Any, factor: fmpq) -> Any:
     if isinstance(a, tuple) and isinstance(b, tuple):
         return tuple(x + factor * y for x, y in zip(a, b, strict=True))
-    return _plus(_polynomial(a), _polynomial(b), factor)
+    return plus(_polynomial(a), _polynomial(b), factor)
 
 
 def _is_nothing(height: Any) -> bool:
     return not any(height) if isinstance(height, tuple) else bool(height.is_zero())
-
-
-def _dot(row: Vector, corner: Vector) -> fmpq:
-    return sum((w * x for w, x in zip(row, corner, strict=True) if w), ZERO)
-
-
-def _is_within(piece: Piece, low: fmpq, high: fmpq) -> bool:
-    return _is_not_negative(_plus(piece.upper, piece.lower, -low)) and _is_not_negative(
-        _plus(piece.lower * high, piece.upper, -ONE)
-    )
-
-
-def _sides(piece: Piece, row: Vector) -> list[Piece]:
-    """Return a piece, or its parts on both sides of σ = 0."""
-    waiting, parts = [piece], []
-    while waiting:
-        part = waiting.pop()
-        sums = [_dot(row, corner) for corner in part.corners]
-        low, high = min(sums), max(sums)
-        if low >= 0 or high <= 0:
-            parts.append(part)
-            continue
-        i, j = sums.index(low), sums.index(high)
-        share = sums[i] / (sums[i] - sums[j])  # of the way from corner i to corner j
-        for stays, moves, way in ((i, j, share), (j, i, ONE - share)):
-            corners = list(part.corners)
-            corners[moves] = tuple(
-                (ONE - way) * a + way * b
-                for a, b in zip(corners[stays], corners[moves], strict=True)
-            )
-            polynomials = (_moved(p, stays, moves, way) for p in (part.upper, part.lower))
-            waiting.append(Piece(tuple(corners), *polynomials))
-    return parts
-
-
-def _gradients(piece: Piece, axes: Sequence[int]) -> list[Vector] | None:
-    """Return ∂λᵢ/∂x along some axes: Σ λᵢ vᵢ = x and Σ λᵢ = 1; None of a flat simplex."""
-    size = len(piece.corners)
-    if len(axes) != size - 1:
-        raise LoopProofError("a piece of another dimension than its inputs")
-    rows = [[corner[k] for corner in piece.corners] for k in axes]
-    whole = fmpq_mat([*rows, [ONE] * size])
-    if not whole.det():
-        return None
-    inverse = whole.inv()
-    return [tuple(inverse[i, k] for k in range(size - 1)) for i in range(size)]
-
-
-def _slope(piece: Piece, gradient: Sequence[Vector], axis: int) -> Polynomial:
-    """Return ∂N D − N ∂D along an axis."""
-    ring, _ = _ring(len(piece.corners))
-    along = []
-    for p in (piece.upper, piece.lower):
-        parts = (p.derivative(i) * row[axis] for i, row in enumerate(gradient))
-        along.append(sum(parts, ring.constant(ZERO)))
-    return along[0] * piece.lower - piece.upper * along[1]
 
 
 class RuleSurfaces:

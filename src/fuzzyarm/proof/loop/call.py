@@ -21,8 +21,9 @@ from fuzzyarm.language.model.rulebase import AnyRuleBase, Property
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.claim.text import claimed_plant, read_claim
+from fuzzyarm.proof.loop.map_search import MAP_BUDGET, MapSearch, map_starts
 from fuzzyarm.proof.loop.orders import Proof, proofs_of
-from fuzzyarm.proof.loop.start_map import MAP_BUDGET, MapSearch, StartMap, map_starts
+from fuzzyarm.proof.loop.start_map import StartMap
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.proof.map import verdicts
 from fuzzyarm.proof.map.verdicts import Verdict

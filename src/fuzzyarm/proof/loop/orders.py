@@ -28,8 +28,9 @@ from fuzzyarm.proof.check.checking import Checked, check_of
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
 from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.map_search import MAP_BUDGET, MapSearch, map_starts
 from fuzzyarm.proof.loop.margins import DriveMargins, margins_of_problem
-from fuzzyarm.proof.loop.start_map import MAP_BUDGET, MapSearch, StartMap, map_starts
+from fuzzyarm.proof.loop.start_map import StartMap
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop

@@ -1,0 +1,151 @@
+"""Polynomials on a simplex, homogeneous in its barycentric coordinates: signs and quotients.
+
+One without a negative coefficient is nowhere negative on its simplex; where that does not show a
+sign the simplex is halved. A quotient lies between the least and the largest of coefficients.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from itertools import combinations
+from typing import Any
+
+from flint import arb, fmpq, fmpq_mpoly_ctx
+
+from fuzzyarm.proof.check.numbers import ONE, ZERO, Number, SpanError, between
+from fuzzyarm.proof.stop import check_time
+
+__all__ = [
+    "Polynomial",
+    "Vector",
+    "bounds_of",
+    "coefficients",
+    "dot",
+    "first_coefficient",
+    "is_not_negative",
+    "is_positive",
+    "level",
+    "linear",
+    "moved",
+    "plus",
+    "ratio",
+    "ring_of",
+]
+
+DEEPEST = 14
+"""How often a simplex is halved before a claim is given up."""
+
+Vector = tuple[fmpq, ...]
+Polynomial = Any
+"""Of the type fmpq_mpoly."""
+
+
+@lru_cache(maxsize=32)
+def ring_of(size: int) -> tuple[Any, list[Polynomial]]:
+    """Return the ring of polynomials of so many coordinates, and these."""
+    ring = fmpq_mpoly_ctx.get([f"l{k}" for k in range(size)])
+    return ring, list(ring.gens())
+
+
+def linear(values: Vector) -> Polynomial:
+    """Return the polynomial with some values at the corners."""
+    ring, units = ring_of(len(values))
+    return sum((x * unit for x, unit in zip(values, units, strict=True)), ring.constant(ZERO))
+
+
+def level(p: Polynomial, q: Polynomial, size: int) -> tuple[Polynomial, Polynomial]:
+    """Return both of the same degree: times (λ₀ + … + λ_d)ⁿ, which is 1."""
+    gap = p.total_degree() - q.total_degree()
+    if p.is_zero() or q.is_zero() or not gap:
+        return p, q
+    unit = sum(ring_of(size)[1]) ** abs(gap)
+    return (p, q * unit) if gap > 0 else (p * unit, q)
+
+
+def plus(p: Polynomial, q: Polynomial, factor: fmpq) -> Polynomial:
+    """Return ``p + factor q``."""
+    p, q = level(p, q, len(p.context().gens()))
+    return p + q * factor
+
+
+def is_positive(p: Polynomial) -> bool:
+    """Tell whether a polynomial is positive on the whole simplex, corners included."""
+    terms, degree = p.to_dict(), p.total_degree()
+    corners = sum(max(powers) == degree for powers in terms)
+    return corners == len(p.context().gens()) and all(x > 0 for x in terms.values())
+
+
+def is_not_negative(p: Polynomial, depth: int = DEEPEST) -> bool:
+    """Tell whether a polynomial is shown to be at least 0 on its simplex, by halving it."""
+    negative = {powers: x for powers, x in p.to_dict().items() if x < 0}
+    if not negative:
+        return True
+    degree = p.total_degree()
+    if not depth or any(max(powers) == degree for powers in negative):
+        return False  # a corner where it is negative
+    check_time()
+    units = ring_of(len(next(iter(negative))))[1]
+    # The edge along which the coefficients bend most.
+    i, j = max(
+        combinations(range(len(units)), 2),
+        key=lambda pair: sum(-x * (k[pair[0]] + k[pair[1]]) for k, x in negative.items()),
+    )
+    half = fmpq(1, 2)
+    return all(is_not_negative(moved(p, a, b, half), depth - 1) for a, b in ((i, j), (j, i)))
+
+
+def moved(p: Polynomial, stays: int, moves: int, share: fmpq) -> Polynomial:
+    """Return p on the simplex whose one corner moves to ``(1 - share) stays + share moves``."""
+    units = list(ring_of(len(p.context().gens()))[1])
+    units[stays] = units[stays] + units[moves] * (ONE - share)
+    units[moves] = units[moves] * share
+    return p.compose(*units)
+
+
+def ratio(p: Polynomial, q: Polynomial) -> Number:
+    """Return bounds of p/q, q positive: of a degree at which no coefficient of q is 0."""
+    size = len(q.context().gens())
+    unit = sum(ring_of(size)[1])
+    p, q = level(p, q, size)
+    for _ in range(3):
+        lower, upper = q.to_dict(), p.to_dict()
+        whole = math.comb(q.total_degree() + size - 1, size - 1)
+        if len(lower) == whole and all(x > 0 for x in lower.values()):
+            ratios = [upper.get(powers, ZERO) / x for powers, x in lower.items()]
+            return between(min(ratios), max(ratios))
+        p, q = p * unit, q * unit
+    raise SpanError("a rule base may have no value somewhere")
+
+
+def coefficients(polynomial: Polynomial, degree: int) -> dict[tuple[int, ...], fmpq]:
+    """Return the coefficients of a polynomial at a degree that is not below its own."""
+    if polynomial.is_zero():
+        return {}
+    unit = sum(ring_of(len(polynomial.context().gens()))[1])
+    raised = polynomial * unit ** (degree - int(polynomial.total_degree()))
+    return {tuple(int(k) for k in powers): x for powers, x in raised.to_dict().items()}
+
+
+def first_coefficient(terms: Mapping[Any, fmpq]) -> fmpq:
+    """Return the value of a polynomial at the first corner."""
+    return next((x for powers, x in terms.items() if not any(powers[1:])), ZERO)
+
+
+def bounds_of(terms: Any, shares: Sequence[tuple[Number, Number]]) -> Number:
+    """Return bounds of a polynomial of numbers that are not negative, term by term."""
+    low, high = arb(0), arb(0)
+    for powers, x in terms:
+        small = large = x
+        for power, (a, b) in zip(powers, shares, strict=True):
+            for _ in range(power):
+                small, large = small * a, large * b
+        low += small if x > 0 else large
+        high += large if x > 0 else small
+    return between(low.lower(), high.upper())
+
+
+def dot(row: Vector, corner: Vector) -> fmpq:
+    """Return a sum of products."""
+    return sum((w * x for w, x in zip(row, corner, strict=True) if w), ZERO)

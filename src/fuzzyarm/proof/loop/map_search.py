@@ -1,0 +1,445 @@
+"""The map of starts: from where every run comes to rest, from where runs are lost, what is open.
+
+A window of starts is cut into boxes. A box is **proved** where a tube from all of it leads into the
+region that no run leaves and in which all come to rest (:class:`~fuzzyarm.proof.loop.timed.Haven`),
+**refuted** where all of its runs leave the bound of a port for certain, or have no value; at the
+smallest size, where the run from its middle does. Everything else is **open**, with the reason.
+The region is found once, rule bases are cut once; boxes are followed side by side
+(:mod:`fuzzyarm.proof.loop.pool`), large ones first.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.blocks import Workers, packed, workers_watched
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.check.certificate import Certificate, Pair, fingerprints_of
+from fuzzyarm.proof.claim.identity import loop_digests
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError
+from fuzzyarm.proof.claim.text import loop_sentence, problem_of
+from fuzzyarm.proof.loop.boxes import certify_map
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.follower import Box
+from fuzzyarm.proof.loop.map_worker import MapCase, MapWorker, mapped_piece
+from fuzzyarm.proof.loop.runs import run_of
+from fuzzyarm.proof.loop.start_map import OPEN, PROVED, REFUTED, MappedBox, StartMap
+from fuzzyarm.proof.loop.symmetry import is_odd
+from fuzzyarm.proof.loop.timed import claim_of_stability
+from fuzzyarm.proof.loop.verdicts import prove_loop
+from fuzzyarm.proof.stop import Stop, TimeOverError
+from fuzzyarm.requests.journal import WorkJournal, question_of
+from fuzzyarm.symbolic.operations import Interval
+
+__all__ = ["MAP_BUDGET", "MapSearch", "map_starts"]
+
+MAP_BUDGET = 300.0
+"""Seconds that each worker may take where nothing is said."""
+
+RUNS = 400
+"""Drawn starts, by which the share of those that come to rest is estimated."""
+
+SHARE_OF_CHECK = 0.5
+"""Of the budget, what the checker may take to follow the boxes of a certificate, at least."""
+
+AT_ONCE = 4
+"""Pieces of work for each worker."""
+
+
+Watch = Callable[[StartMap], None]
+
+
+@dataclass(frozen=True)
+class MapSearch:
+    """How a map is searched.
+
+    Attributes
+    ----------
+    budget : float
+        Seconds of the processor that each worker may take.
+    workers : int
+        Processes at a time.
+    journal : str, optional
+        A file that gets a line for each box; of the same question, it is gone on with.
+    runs : int
+        Drawn starts, whose runs are simulated.
+    certify : bool
+        Whether only those boxes count as proved that the checker follows, for a certificate.
+    executor : Executor, optional
+        Any of :mod:`concurrent.futures`, instead of processes of this machine.
+    """
+
+    budget: float = MAP_BUDGET
+    workers: int = 1
+    journal: str | None = None
+    runs: int = RUNS
+    certify: bool = False
+    executor: Executor | None = None
+
+
+DEFAULT_SEARCH = MapSearch()
+
+
+def map_starts(
+    text: ControllerText,
+    claim: LoopClaim,
+    search: MapSearch = DEFAULT_SEARCH,
+    *,
+    plant: Plant,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    watch: Watch | None = None,
+) -> StartMap:
+    """Map the starts of a loop: proved, refuted or open.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    claim : LoopClaim
+        That it is stable, with set points and parameters; its starts are the window, by default
+        the ranges of the outputs that are states.
+    search : MapSearch
+        How long, with how many workers.
+    plant : Plant
+        What it runs.
+    connect, sensors
+        As for :func:`fuzzyarm.proof.loop.prove_loop`.
+    watch : callable, optional
+        Given the map as far as it is, now and then.
+
+    Raises
+    ------
+    ClaimError
+        If the window names what is no state, or an output has no range to be the window.
+    LoopProofError
+        If nothing is proved about the loop, by name.
+    """
+    return _Map(text, claim, search, plant, connect, sensors, watch).made()
+
+
+class _Map:
+    """A map in the making."""
+
+    def __init__(
+        self, text: ControllerText, claim: LoopClaim, search: MapSearch, plant: Plant,
+        connect: Mapping[str, str] | None, sensors: Mapping[str, Sensor] | None,
+        watch: Watch | None,
+    ) -> None:  # fmt: skip
+        self.begun, self.stop = time.monotonic(), Stop(search.budget)
+        self.text, self.plant, self.connect, self.sensors = text, plant, connect, sensors
+        count = None if search.executor is not None and search.workers == 1 else search.workers
+        self.crew = Workers(count, search.executor)
+        self.search, self.workers, self.watch = search, self.crew.count, watch
+        start = claim.start or tuple(self._ranges(claim))
+        self.claim = replace(claim_of_stability(claim), start=start)
+        self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
+        self.window = {name: Interval(low, high) for name, low, high in start}
+        for name, span in self.window.items():
+            if not span.low < span.high:
+                raise ClaimError(f"{name} in {span.low:g} .. {span.high:g} is no window")
+        self.boxes: list[MappedBox] = []
+        self.work = 0.0
+        self.journal: WorkJournal | None = None
+        self.drawn: list[tuple[tuple[float, ...], bool]] = []
+        self.told = -math.inf
+        self.certificate: Certificate | None = None
+
+    def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
+        """Yield the ranges of the outputs that are states."""
+        problem = problem_of(
+            self.text, claim_of_stability(claim), plant=self.plant, connect=self.connect,
+            sensors=self.sensors,
+        )  # fmt: skip
+        ports = problem.site.interface.outputs.items()
+        shown = {name: port for (_, name), port in ports if name in problem.states}
+        _ = problem.equations  # raises where nothing of the plant can be proved
+        if not shown:
+            hint = f"--over '{problem.states[0]} in -1 .. 1'" if problem.states else ""
+            raise ClaimError("no output of the plant is a state of it", hint=hint)
+        for name, port in shown.items():
+            if not math.isfinite(port.high - port.low):
+                raise ClaimError(f"'{name}' has no range", hint=f"--over '{name} in -1 .. 1'")
+            yield name, port.low, port.high
+
+    def made(self) -> StartMap:
+        """Return the whole map."""
+        verdict = prove_loop(
+            self.text, claim_of_stability(self.claim), plant=self.plant, connect=self.connect,
+            sensors=self.sensors, budget=0.5 * self.search.budget,
+        )  # fmt: skip
+        self.work += verdict.work
+        self.region, self.certificate = verdict, verdict.certificate
+        if verdict.certificate is None:
+            why = verdict.reason or "; ".join(verdict.evidence)  # of a refuted loop
+            return self._without_region(why)
+        self.odd = is_odd(self.problem)
+        case = MapCase(
+            self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate,
+            self.odd,
+        )  # fmt: skip
+        try:
+            if self.search.journal is not None:
+                self._open(self.search.journal)
+            self._searched(case)
+        except TimeOverError as error:
+            if not self.boxes:
+                return self._without_region(str(error))
+        except EnclosureError as error:
+            raise LoopProofError(str(error)) from error
+        finally:
+            if self.journal is not None:
+                self.journal.close()
+        reason = ""
+        if self.search.certify:
+            try:
+                self._certify(verdict.certificate)
+            except (LoopProofError, TimeOverError) as error:
+                self.certificate = None
+                reason = f"no certificate of the map was found: {error}"
+        if self.search.runs:
+            self._draw()
+        return self._map(reason)
+
+    def _without_region(self, why: str) -> StartMap:
+        """Return the map of which all is open."""
+        low, high = zip(*self.window.values(), strict=True)
+        self.boxes = [MappedBox(low, high, OPEN, 0, why)]
+        return self._map(f"no region around rest is proved: {why}")
+
+    def _certify(self, region: Certificate) -> None:
+        """Leave as proved what the checker follows, and keep that as the certificate."""
+        problem = problem_of(
+            self.text, region.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
+        )
+        begun = {name: (span.low, span.high) for name, span in problem.start.items()}
+        found: list[tuple[tuple[Pair, ...], int]] = []
+        for box in self.boxes:
+            if box.verdict == PROVED:
+                ends_by_name = zip(self.window, zip(box.low, box.high, strict=True), strict=True)
+                sides = begun | dict(ends_by_name)
+                ends = tuple((Fraction(a), Fraction(b)) for a, b in sides.values())
+                found.append((ends, box.periods))
+        window = tuple((name, span.low, span.high) for name, span in self.window.items())
+        stop = Stop(max(self.stop.left, 0.0) + SHARE_OF_CHECK * self.search.budget)
+        self.certificate, lost = certify_map(problem, replace(region, window=window), found, stop)
+        self.work += stop.spent
+        order = [problem.states.index(name) for name in self.window]
+
+        def mapped(box: Sequence[Pair], verdict: str, periods: int, reason: str) -> MappedBox:
+            low, high = zip(*((float(box[k][0]), float(box[k][1])) for k in order), strict=True)
+            return MappedBox(low, high, verdict, periods, reason)
+
+        self.boxes = [box for box in self.boxes if box.verdict != PROVED]
+        latest: list[int] = []  # of each box and those before it: into the region, by way of boxes
+        for tube in self.certificate.tubes:
+            kind, before = tube.into
+            on = latest[before - 1] if kind == "tubes" and before else 0
+            self.boxes.append(mapped(tube.box, PROVED, tube.periods + on, ""))
+            latest.append(max(tube.periods + on, latest[-1] if latest else 0))
+        self.boxes += [
+            mapped(box, OPEN, 0, f"the checker does not follow it: {reason}")
+            for box, reason in lost.items()
+        ]
+
+    def _map(self, reason: str = "") -> StartMap:
+        verdict = self.region
+        settled = [at for at, came in self.drawn if came]
+        proved = [box for box in self.boxes if box.verdict == PROVED]
+        lows = np.array([box.low for box in proved]).reshape(-1, len(self.window))
+        highs = np.array([box.high for box in proved]).reshape(-1, len(self.window))
+        within = sum(bool(((lows <= at) & (highs >= at)).all(axis=1).any()) for at in settled)
+        begins = self.problem.begins_alone
+        return StartMap(
+            statement=loop_sentence(
+                claim_of_stability(self.claim), self.sensors, self.connect, plant=self.plant,
+                text=self.text,
+            ),
+            window=self.window,
+            others={name: self.problem.start[name].low for name in begins},
+            boxes=tuple(self.boxes),
+            region=verdict.region,
+            rest=verdict.rest,
+            certificate=self.certificate,
+            starts=len(self.drawn),
+            settled=len(settled),
+            settled_proved=within,
+            seconds=time.monotonic() - self.begun,
+            work=self.work,
+            period=self.problem.period,
+            units=self.plant.states,
+            reason=reason,
+        )  # fmt: skip
+
+    # ── boxes ────────────────────────────────────────────────────────────────────────
+
+    def _searched(self, case: MapCase) -> None:
+        worker = MapWorker(case)
+        todo = _without(worker.tiles(), self.boxes)
+        worker.learn(self.boxes)
+        if (self.workers == 1 and self.search.executor is None) or len(todo) < 2:
+            worker.mapped(todo, self.stop.left, self._heard)
+            self.work = self.stop.spent
+            return
+        with self.crew:
+            self._shared(packed(case), todo)
+
+    def _shared(self, content: bytes, todo: Sequence[Box]) -> None:
+        """Let workers map boxes; each has the whole budget, less what was taken here."""
+        count = min(len(todo), self.workers * AT_ONCE)
+        parts = [todo[k::count] for k in range(count)]
+        left = dict.fromkeys(range(self.workers), self.stop.left)
+        under_way: dict[Future[tuple[list[MappedBox], float]], int] = {}
+        seconds = self.stop.spent
+        while parts or under_way:
+            for slot in [k for k in left if k not in under_way.values()]:
+                if not parts:
+                    break
+                share = left[slot] / math.ceil(len(parts) / self.workers)
+                known = [box for box in self.boxes if box.verdict == PROVED]
+                task = self.crew.submit(mapped_piece, content, parts.pop(0), known, max(share, 0.0))
+                under_way[task] = slot
+            for task in wait(under_way, return_when=FIRST_COMPLETED).done:
+                slot = under_way.pop(task)
+                with workers_watched():
+                    boxes, taken = task.result()
+                left[slot] -= taken
+                seconds += taken
+                self.work = seconds
+                self._heard(boxes)
+
+    def _with_opposites(self, boxes: Sequence[MappedBox]) -> list[MappedBox]:
+        if not self.odd:
+            return list(boxes)
+        return list(dict.fromkeys(each for box in boxes for each in (box, box.opposite)))
+
+    def _heard(self, boxes: Sequence[MappedBox]) -> None:
+        boxes = self._with_opposites(boxes)
+        self.boxes += boxes
+        if self.journal is not None:
+            self.journal.append(map(_row, (box for box in boxes if box.verdict != OPEN)))
+        now = time.monotonic()
+        if self.watch is not None and now > self.told + 0.25:
+            self.told = now
+            self.watch(self._map())
+
+    # ── the journal ──────────────────────────────────────────────────────────────────
+
+    def _open(self, path: str) -> None:
+        """Begin a journal, or go on with it."""
+        ends = [f"{name} {end}" for name in self.window for end in ("from", "to")]
+        question = question_of(
+            {"map": self._map().statement, "window": {n: list(s) for n, s in self.window.items()},
+             "odd": self.odd},
+            {},
+        )  # fmt: skip
+        question["files"] = {
+            **fingerprints_of(self.text), **loop_digests(self.text, self.plant)
+        }  # fmt: skip
+        self.journal = journal = WorkJournal(
+            path, "map", question, [*ends, "verdict", "periods", "reason"], piece="box",
+            option="--resume",
+        )  # fmt: skip
+        if journal.path.is_file() and journal.path.stat().st_size:
+            self.boxes = self._with_opposites(journal.read(lambda _, row: _read_row(row)))
+        else:
+            journal.begin()
+
+    # ── drawn starts ─────────────────────────────────────────────────────────────────
+
+    def _draw(self) -> None:
+        """Simulate runs from drawn starts: the share that comes to rest, and a last doubt."""
+        generator = np.random.default_rng(0)
+        problem, rest = self.problem, self.region.rest
+        values = {name: span.low for name, span in problem.parameters.items()}
+        duration = max(problem.plant.duration or 0.0, 1000 * problem.period)
+        lost = []
+        for _ in range(self.search.runs):
+            start = {n: float(generator.uniform(s.low, s.high)) for n, s in problem.start.items()}
+            try:
+                run = run_of(problem, start, values, duration=duration)
+            except FuzzyarmError:
+                continue
+            if run is None:
+                continue
+            at = tuple(start[name] for name in self.window)
+            if run.diverged is not None:
+                lost.append(at)
+            self.drawn.append((at, run.diverged is None and self._rests(run, rest)))
+        self._demand_none_lost(lost)
+
+    def _rests(self, run: Any, rest: Mapping[str, float]) -> bool:
+        """Tell whether a run ends next to rest: a hundredth of the range of each output."""
+        problem = self.problem
+        for address, port in problem.site.interface.outputs.items():
+            name = address[1]
+            if name in problem.states:
+                last = float(np.asarray(run.outputs[problem.site.interface.label(address)])[-1])
+                wide = port.high - port.low if math.isfinite(port.high - port.low) else 1.0
+                if not abs(last - rest[name]) <= 0.01 * wide:
+                    return False
+        return True
+
+    def _demand_none_lost(self, lost: Sequence[tuple[float, ...]]) -> None:
+        """Take back boxes that a run contradicts: this has never been seen, and proves a fault."""
+        for number, box in enumerate(self.boxes):
+            if box.verdict == PROVED and any(
+                all(a <= x <= b for a, x, b in zip(box.low, at, box.high, strict=True))
+                for at in lost
+            ):
+                self.boxes[number] = box._replace(
+                    verdict=OPEN, reason="a simulated run contradicts its proof"
+                )
+
+
+def _row(box: MappedBox) -> list[str]:
+    ends = [repr(x) for pair in zip(box.low, box.high, strict=True) for x in pair]
+    return [*ends, box.verdict, str(box.periods), box.reason]
+
+
+def _read_row(row: Sequence[str]) -> MappedBox:
+    *ends, verdict, periods, reason = row
+    numbers = [float(x) for x in ends]
+    if verdict not in (PROVED, REFUTED) or not all(map(math.isfinite, numbers)):
+        raise ValueError
+    return MappedBox(tuple(numbers[::2]), tuple(numbers[1::2]), verdict, int(periods), reason)
+
+
+def _without(boxes: Sequence[Box], done: Sequence[MappedBox]) -> list[Box]:
+    """Return boxes without the parts that are done."""
+    rest: list[Box] = []
+    for box in boxes:
+        inside = [d for d in done if _is_within(d, box)]
+        rest += _remaining(box, inside)
+    return rest
+
+
+def _is_within(part: MappedBox, box: Box) -> bool:
+    ends = zip(part.low, part.high, box.low, box.high, strict=True)
+    return all(low >= a and high <= b for low, high, a, b in ends)
+
+
+def _remaining(box: Box, done: Sequence[MappedBox]) -> list[Box]:
+    if not done:
+        return [box]
+    if any(part.low == box.low and part.high == box.high for part in done):
+        return []
+    for way in range(len(box.low)):
+        halves = box.halves(way)
+        parts = [[part for part in done if _is_within(part, half)] for half in halves]
+        if sum(map(len, parts)) == len(done):  # no part on both sides of the cut
+            found = [_remaining(half, some) for half, some in zip(halves, parts, strict=True)]
+            return found[0] + found[1]
+    return [box]

@@ -1,0 +1,246 @@
+"""Boxes of a map on their way into a region: one piece of work after the other."""
+
+from __future__ import annotations
+
+import heapq
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.blocks import unpacked
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.check.certificate import Certificate
+from fuzzyarm.proof.check.region import verified
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import problem_of
+from fuzzyarm.proof.loop.algebra import Number
+from fuzzyarm.proof.loop.cover import Cover
+from fuzzyarm.proof.loop.follower import Box, Nearness
+from fuzzyarm.proof.loop.form_maker import FormMaker
+from fuzzyarm.proof.loop.pool import ARRIVED, LOST, Fate, Pool
+from fuzzyarm.proof.loop.start_map import OPEN, PROVED, REFUTED, MappedBox
+from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
+from fuzzyarm.proof.loop.zonotope import Forms
+from fuzzyarm.proof.stop import Stop
+
+__all__ = ["MapCase", "MapWorker", "mapped_piece"]
+
+TILES = 64
+"""Parts of the window to begin with, at least."""
+
+HALVINGS = 8
+"""How often a side of the window is halved at most, on average over the sides."""
+
+
+@dataclass(frozen=True)
+class MapCase:
+    """What a worker has to know."""
+
+    text: ControllerText
+    claim: LoopClaim  # that is stable, from the window
+    plant: Plant
+    connect: Mapping[str, str] | None
+    sensors: Mapping[str, Sensor] | None
+    certificate: Certificate
+    odd: bool
+
+    def problem(self) -> LoopProblem:
+        """Return the loop."""
+        return problem_of(
+            self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
+        )
+
+
+class MapWorker:
+    """Maps boxes of a case, one piece of work after the other."""
+
+    def __init__(self, case: MapCase) -> None:
+        problem = case.problem()
+        stop = Stop()
+        against, _, loop = verified(problem, case.certificate.claim, case.certificate.region)
+        if against or loop is None:
+            raise LoopProofError(f"the region is not proved: {against}")
+        self.haven = Haven(
+            FormMaker(problem, stop), case.certificate.region, loop, claim_of_stability(case.claim)
+        )
+        horizon = math.ceil(self.haven.horizon / problem.period)
+        self.pool = Pool(problem, self.nearness, horizon, stop)
+        self.pool.most = HALVINGS * len(self.pool.follower.names)
+        self.first = self.pool.follower.first
+        self.middle = self._rest()
+        self.known: set[MappedBox] = set()
+        self.odd = case.odd
+        self.cover = self._cover(problem)
+
+    def _cover(self, problem: LoopProblem) -> Cover | None:
+        """Return what is proved so far, where a run that comes into it is as one that starts."""
+        names = self.haven.loop.names
+        whole = tuple(self.pool.follower.names) == tuple(problem.states) == tuple(names)
+        remembers = self.pool.control[1].memory or problem.text.model.every > 1
+        if not whole or remembers or not Cover.fits(len(names)):
+            return None
+        cover = Cover(self.first)
+        # A cell is in the region where its corners are: V is convex.
+        grids = np.meshgrid(*cover.edges, indexing="ij")
+        corners = np.stack([grid.ravel() for grid in grids])
+        values = self.haven.values(Forms.at(corners), {}).reshape(grids[0].shape) <= 1.0
+        for axis in range(values.ndim):
+            start = (slice(None),) * axis
+            values = values[(*start, slice(None, -1))] & values[(*start, slice(1, None))]
+        cover.add_cells(values)
+        return cover
+
+    def _rest(self) -> NDArray[np.float64]:
+        """Return the place of rest in the window."""
+        names, rests = self.haven.loop.names, self.haven.rests
+        values = [
+            float(rests[names.index(name)].middle) if name in names else 0.0
+            for name in self.pool.follower.names
+        ]
+        return np.array(values)
+
+    def nearness(self, states: Forms, memory: Mapping[str, Number], count: int) -> Nearness:
+        """Return how near to the region boxes are."""
+        near = self.haven.nearness(states, memory, count)
+        fixed = self.haven.fixed(memory, states.shape[1])
+        if self.cover is not None:
+            held = self.cover.holds(states.bounds)
+            return near._replace(value=np.where(held, 0.0, np.where(fixed, near.value, np.inf)))
+        return near._replace(value=np.where(fixed, near.value, np.inf))
+
+    def learn(self, boxes: Sequence[MappedBox]) -> None:
+        """Take in what is proved already."""
+        for box in boxes:
+            if self.cover is not None and box.verdict == PROVED and box not in self.known:
+                self.known.add(box)
+                for each in (box, box.opposite) if self.odd else (box,):
+                    self.cover.add(each.low, each.high)
+
+    def tiles(self) -> list[Box]:
+        """Return the parts of the window to begin with."""
+        boxes, ways = [self.first], len(self.first.low)
+        while len(boxes) < TILES:
+            way = int(np.argmin(boxes[0].halvings)) if ways else 0
+            boxes = [half for box in boxes for half in box.halves(way)]
+        if self.odd:  # the others are opposite to these
+            boxes = [box for box in boxes if box.high > tuple(0.0 - x for x in box.low)]
+        return sorted(boxes, key=self.distance)
+
+    def distance(self, box: Box) -> float:
+        """Return how far a box is from rest, in shares of the window."""
+        low, high = np.array(box.low), np.array(box.high)
+        width = np.array(self.first.high) - np.array(self.first.low)
+        return float((np.abs(0.5 * low + 0.5 * high - self.middle) / width).max(initial=0.0))
+
+    def mapped(
+        self, boxes: Sequence[Box], seconds: float, heard: Callable[[Sequence[MappedBox]], None]
+    ) -> None:
+        """Map boxes; what is decided, and in the end what is left open, is heard."""
+        _Mapping(self, boxes, heard).run(seconds)
+
+
+class _Mapping:
+    """One piece of work."""
+
+    def __init__(
+        self, worker: MapWorker, boxes: Sequence[Box], heard: Callable[[Sequence[MappedBox]], None]
+    ) -> None:
+        self.worker, self.heard = worker, heard
+        self.queue: list[tuple[int, float, int, Box, str]] = []
+        self.count = 0
+        self.under_way: dict[Box, None] = {}
+        self.probes: dict[Box, tuple[Box, str]] = {}
+        for box in boxes:
+            self._push(box, "")
+
+    def _push(self, box: Box, reason: str) -> None:
+        self.count += 1
+        # Large ones first; but backward from rest where what is proved is a goal.
+        size = sum(box.halvings) if self.worker.cover is None else 0
+        key = size, self.worker.distance(box), self.count
+        heapq.heappush(self.queue, (*key, box, reason))
+
+    def run(self, seconds: float) -> None:
+        """Work until all is decided, or time is over."""
+        pool = self.worker.pool
+        pool.restart(Stop(seconds))
+        rest = pool.follow(self._next, self._done)
+        waiting = [(box, reason) for *_, box, reason in self.queue]
+        waiting += [self.probes.get(box, (box, "")) for box in rest]
+        late = "time ran out"
+        self.heard([_mapped(box, OPEN, 0, reason or late) for box, reason in waiting])
+
+    def _next(self, most: int) -> list[Box]:
+        boxes: list[Box] = []
+        while self.queue and len(boxes) < most:
+            *_, box, _ = heapq.heappop(self.queue)
+            boxes.append(box)
+        return boxes
+
+    def _done(self, fates: Sequence[Fate]) -> None:
+        decided = []
+        for fate in fates:
+            box = fate.box
+            if box in self.probes:
+                box, reason = self.probes.pop(box)
+                if fate.end == LOST:
+                    decided.append(_mapped(box, REFUTED, fate.periods, f"a run is {fate.reason}"))
+                else:
+                    decided.append(_mapped(box, OPEN, 0, reason))
+            elif fate.end == ARRIVED:
+                decided.append(_mapped(box, PROVED, fate.periods, ""))
+            elif fate.end == LOST:
+                decided.append(_mapped(box, REFUTED, fate.periods, f"all runs are {fate.reason}"))
+            elif fate.was_cut:  # anew: what had added up until it was halved is less from now on
+                self._push(box, fate.reason)
+            elif sum(box.halvings) < self.worker.pool.most:
+                way = self.worker.pool.dimension(box, fate.weight)
+                for half in box.halves(way):
+                    self._push(half, fate.reason)
+            else:
+                self._probe(box, fate.reason)
+        if decided:
+            self.worker.learn(decided)
+            self.heard(decided)
+
+    def _probe(self, box: Box, reason: str) -> None:
+        """Follow the run from the middle of a box that is too small to be halved."""
+        at = tuple(0.5 * a + 0.5 * b for a, b in zip(box.low, box.high, strict=True))
+        probe = Box(at, at, box.halvings)
+        self.probes[probe] = (box, reason)
+        self._push(probe, reason)
+
+
+def _mapped(box: Box, verdict: str, periods: int, reason: str) -> MappedBox:
+    return MappedBox(box.low, box.high, verdict, periods, reason)
+
+
+_ONE_AT_A_TIME = threading.Lock()
+"""A worker remembers where it is: threads of an executor take turns, processes need not."""
+
+
+@lru_cache(maxsize=2)
+def _worker_of(content: bytes) -> MapWorker:
+    return MapWorker(unpacked(content))
+
+
+def mapped_piece(
+    content: bytes, boxes: Sequence[Box], known: Sequence[MappedBox], seconds: float
+) -> tuple[list[MappedBox], float]:
+    """Map boxes in another process; return them, and the seconds of work."""
+    found: list[MappedBox] = []
+    with _ONE_AT_A_TIME:
+        begun = time.process_time()
+        worker = _worker_of(content)
+        worker.learn(known)
+        worker.mapped(boxes, seconds - (time.process_time() - begun), found.extend)
+        return found, time.process_time() - begun
