@@ -1,4 +1,4 @@
-"""Findings about the names of a controller, in one walk over what the rows of its lines mention.
+"""Findings about the names of a controller, in one walk over the mentions of its lines.
 
 A row says which words declare a name and which refer to one (`mentions`); declared twice, unknown,
 read too early, and unused follow from that for any statement.

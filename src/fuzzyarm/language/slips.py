@@ -259,7 +259,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
                 repaired[number - 1] = put_right[0]
         again = parse_document("\n".join(repaired))
         if not more or any(d.line in diagnostics or d.line in more for d in again.diagnostics):
-            break  # what reads well alone may not read in its file
+            break  # a line that reads alone may not read in its file
         best, diagnostics = again, diagnostics | more
     said = [_explained(finding, lines) for finding in best.diagnostics]
     ordered = sorted([*said, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
@@ -302,7 +302,7 @@ _ENDING = re.compile(r"(?i)^\s*(?:end\w*|[{}]+)\s*[;.]?\s*$")
 
 
 def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
-    """Return a line as it can be read, and what was wrong with it; None where it cannot.
+    """Return a readable form of a line, and its mistake; None if there is none.
 
     None also where the finding itself has all that is to be changed.
     """
