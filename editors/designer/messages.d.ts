@@ -2,11 +2,11 @@
 // fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages; `make types` prints it anew.
 
 declare namespace Messages {
-  /** A question that says no more than what it is. */
+  /** A question without fields. */
   interface BareMessage {
   }
 
-  /** A window shows a file; with what it has of it, if it had the file open before. */
+  /** A window shows a file; with its own text, if it had the file open before. */
   interface Open {
     file: string;
     epoch?: string;
@@ -227,7 +227,7 @@ declare namespace Messages {
     name: string;
   }
 
-  /** What is wrong with a form that the user is filling in, and of which file it is. */
+  /** A form that is being filled in, to be judged, and its file. */
   interface FormQuestion {
     file: string;
     form: string;
@@ -248,7 +248,7 @@ declare namespace Messages {
     axes?: SurfaceAxes;
   }
 
-  /** What a text is exported as; the fields of its dialog by name. */
+  /** The suffix of an export; the fields of its dialog by name. */
   interface ExportWork {
     suffix: string;
     options?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
@@ -304,7 +304,7 @@ declare namespace Messages {
     text?: string | null;
   }
 
-  /** What the user does to a run. */
+  /** Actions of the user on a run. */
   interface RunWord {
     speed?: number | "inf" | "-inf" | null;
     pause?: boolean | null;
@@ -317,7 +317,7 @@ declare namespace Messages {
     asked?: RunWork | null;
   }
 
-  /** What the user does to a training; `save` is the name of a table. */
+  /** Actions of the user on a training; `save` is the name of a table. */
   interface LearnWord {
     go?: "run" | "pause" | "step" | "stop" | null;
     speed?: "watch" | "fast" | null;
@@ -325,21 +325,21 @@ declare namespace Messages {
     replace?: boolean;
   }
 
-  /** What the user does to a search: end it, or take what it has found. */
+  /** Actions of the user on a search: end it, or take its result. */
   interface TuneWord {
     enough?: boolean;
     take?: boolean;
     replace?: boolean;
   }
 
-  /** What the user does to a fit: end it; `save` is the name of a rule base. */
+  /** Actions of the user on a fit: end it; `save` is the name of a rule base. */
   interface FitWord {
     enough?: boolean;
     save?: string | null;
     replace?: boolean;
   }
 
-  /** What the user does to a sweep: end it, with the runs that are made. */
+  /** Actions of the user on a sweep: end it, and keep its runs. */
   interface SweepWord {
     enough?: boolean;
   }
@@ -456,7 +456,7 @@ declare namespace Messages {
     implication: number;
   }
 
-  /** An output, with what is aggregated. */
+  /** An output, with its aggregated sets. */
   interface SceneOutput {
     name: string;
     description: string;
@@ -518,7 +518,7 @@ declare namespace Messages {
     rows: Array<GridRow>;
   }
 
-  /** A setting of inference with its choices, or what a block says (`block`). */
+  /** A setting of inference with its choices, or the settings of a block (`block`). */
   interface Method {
     key?: string;
     value?: string;
@@ -527,7 +527,7 @@ declare namespace Messages {
     block?: string;
   }
 
-  /** What is drawn of a rule base. */
+  /** The picture of a rule base. */
   interface Scene {
     name: string;
     description: string;

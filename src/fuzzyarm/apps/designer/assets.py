@@ -57,7 +57,7 @@ def modules(first: str = "app.js") -> tuple[str, ...]:
 
 
 def index_page(facts: Mapping[str, Any], nonce: str) -> str:
-    """Return the page that talks to the server, with what it has to know at once."""
+    """Return the page of the server, with its initial state."""
     page = (PAGE / "index.html").read_text(encoding="utf-8")
     start = {**facts, "nonce": nonce, "version": __version__}
     # A browser would learn of each module only when it has read the one that imports it.

@@ -39,7 +39,7 @@ def applied(text: str, changes: Any) -> str:
 
 
 def _section(section: Any) -> tuple[int, str | None]:
-    """Return how many units of the old text a section covers, and what replaces them."""
+    """Return the length of a section in the old text, and its replacement."""
     if isinstance(section, int) and section >= 0:
         return section, None
     if isinstance(section, list) and section and isinstance(section[0], int) and section[0] >= 0:
@@ -54,7 +54,7 @@ def _units(text: str) -> int:
 
 
 def difference(old: str, new: str) -> Changes:
-    """Return the change set from one text to another: what is between their common ends."""
+    """Return the change set from one text to another, between their common ends."""
     start, end = _common_ends(old, new)
     removed, added = old[start : len(old) - end], new[start : len(new) - end]
     changes: Changes = [_units(old[:start])] if start else []
@@ -86,7 +86,7 @@ def merged(base: str, mine: str, theirs: str) -> str | None:
 
 def _edits(base: Sequence[str], text: str) -> list[tuple[int, int, tuple[str, ...]]]:
     lines = text.splitlines(keepends=True)
-    # Comparing takes the square of what is compared: most of a long text has not changed.
+    # Comparing takes quadratic time, and most of a long text has not changed.
     start, end = _common_ends(base, lines)
     old, new = base[start : len(base) - end], lines[start : len(lines) - end]
     matcher = SequenceMatcher(None, old, new, autojunk=False)

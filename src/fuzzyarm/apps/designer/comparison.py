@@ -1,4 +1,4 @@
-"""Two files side by side: their surfaces over the same inputs, and what differs in meaning."""
+"""Two files side by side: their surfaces over the same inputs, and differences in meaning."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ComparedSurface:
 
 
 def compare(session: Session, request: CompareWork, job: WindowJob) -> None:
-    """Tell how the surfaces of two files differ, where most, and what differs in meaning."""
+    """Tell the difference of two surfaces, where it is largest, and the differences in meaning."""
     other = job.folder.session(request.other)
     one, two = model_of(session), model_of(other)
     for model in (one, two):
@@ -213,7 +213,7 @@ def _largest(
 
 
 def _changes(one: RuleBase | LookupTable, two: RuleBase | LookupTable) -> dict[str, Any]:
-    """Return what differs in meaning, as ``fuzzyarm diff`` says it."""
+    """Return the differences in meaning, in the words of ``fuzzyarm diff``."""
     if isinstance(one, RuleBase) and isinstance(two, RuleBase):
         diff = compare_rulebases(one, two)
         parts = {"rules": diff.rules, "terms": diff.terms, "settings": diff.settings}

@@ -1,4 +1,4 @@
-"""Block diagrams in pixels, of controllers and rule bases, and what a controller looks up."""
+"""Block diagrams in pixels, of controllers and rule bases, and the surfaces of their rules."""
 
 from __future__ import annotations
 
@@ -108,11 +108,11 @@ def _short(value: float) -> float:
     return round(value, 1)
 
 
-# --- What it looks up ---
+# --- Its rule bases and tables ---
 
 
 def sheets(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell what the rule bases and tables of a controller do: each over its first two inputs."""
+    """Tell the surfaces of a controller's rule bases and tables, over their first two inputs."""
     from fuzzyarm.apps.designer.comparison import outputs_of, surface_of
 
     model = session.reading.parsed.controller if isinstance(session.reading, Reading) else None

@@ -197,8 +197,8 @@ def kernel_source() -> str:
 
 
 def _constants() -> str:
-    """Return what stands where in a block, by name."""
-    # What engine.js asks for by name; the translated kernel has the numbers themselves in its text.
+    """Return the positions in a block, by name."""
+    # Positions for engine.js; the translated kernel has the numbers themselves in its text.
     names = (
         "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
         " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"

@@ -1,6 +1,6 @@
 """Exports of the text as it is now: the bytes of the commands, to be downloaded.
 
-Each is what `fuzzyarm compile`, `convert`, or `plot` writes of the same text.
+Each has the bytes that `fuzzyarm compile`, `convert` or `plot` writes of the same text.
 Files that a controller uses are taken as they are saved, and only those of the folder.
 """
 
@@ -115,7 +115,7 @@ def _controller(session: Session) -> ControllerText:
 
 
 def kinds_of(session: Session) -> list[str]:
-    """Return the suffixes of what a text can be exported as, here: a page has no compiler."""
+    """Return the export suffixes of a text; a page has no compiler."""
     kinds = _kinds(session)
     return [each for each in kinds if each not in OF_MACHINE] if IN_PAGE else kinds
 
@@ -167,7 +167,7 @@ def files_of(
     how = making_on_page(session, options)
     if isinstance(model, RuleBase | LookupTable):
         return _sheet(session, model, out, how, options, progress)
-    # What a head says of its source is read from the file: that is the text as it is now.
+    # The header comment quotes its source from the file, here the current text.
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         path = Path(folder) / Path(session.path).name
         path.write_bytes(_content(session))

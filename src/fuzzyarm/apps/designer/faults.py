@@ -1,4 +1,4 @@
-"""What a page hears where something fails: a mistake in words, or a fault of the program.
+"""Failures as a page hears them: a mistake in words, or a fault of the program.
 
 A mistake (`FuzzyarmError`, `OSError`) is a sentence for the person at the page. Anything else is an
 internal error: the page says so, and the trace is in the log ``fuzzyarm.apps.designer``, which
@@ -20,11 +20,11 @@ LOG = logging.getLogger("fuzzyarm.apps.designer")
 
 
 class TextRefusedError(FuzzyarmError, ValueError):
-    """A text with which a page cannot do what was asked: run it, draw it, tune it."""
+    """A text that cannot be run, drawn or tuned as asked."""
 
 
 def error_of(error: Exception, doing: str) -> dict[str, Any]:
-    """Return what an answer says of an error: ``error``, and ``internal`` where it is a fault."""
+    """Return the fields of an answer about an error; ``internal`` marks a fault of the program."""
     if isinstance(error, FuzzyarmError | OSError):
         return {"error": in_words(error)}
     return {"error": internal_words(error, doing), "internal": True}

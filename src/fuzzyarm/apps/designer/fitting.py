@@ -1,4 +1,4 @@
-"""A rule base from samples of the folder: what ``fuzzyarm fit`` says, with its residuals.
+"""A rule base from samples of the folder: the report of ``fuzzyarm fit``, with residuals.
 
 A page says ``enough``, which keeps the best so far, and ``save`` with the name of a file.
 """
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 SAMPLES = (".csv", ".parquet")
 MODELS = (".lut", ".frb")
-"""What is sampled: the result stands for it."""
+"""Models to approximate by a rule base."""
 
 
 def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell what the form is, and which files of the folder can be learned from."""
+    """Tell the form, and the files to learn from."""
     models = [name for name in job.folder.listed(*MODELS) if _is_sampled(job, name)]
-    here = Path(session.path).name  # what is open is what is meant, where there are no samples
+    here = Path(session.path).name  # without samples, the open file comes first
     job.tell({
         "samples": sorted(job.folder.listed(*SAMPLES), key=lambda name: -_size(job, name)),
         "models": sorted(models, key=lambda name: name != here),
@@ -41,7 +41,7 @@ def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
 
 
 def fit(session: Session, record: FormWork, job: WindowJob) -> None:
-    """Learn, report, and write what the page saves, until it stops."""
+    """Learn, report, and save until the page stops."""
     if not record.form.get("data"):
         raise FieldError("choose the samples to learn from", field="data")
     request = FIT.request(record.form, Path(session.path).parent)
@@ -84,7 +84,7 @@ def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -
 
 
 def _learned(request: FitRequest, job: WindowJob) -> Fit:
-    """Learn, and tell what came of it."""
+    """Learn, and tell the result."""
     from fuzzyarm.learning.fit import fidelity
     from fuzzyarm.learning.fit import fit as fit_it
     from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of

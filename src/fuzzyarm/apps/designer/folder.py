@@ -95,7 +95,7 @@ class Workspace:
         self._open: dict[str, SharedText] = {}
         self._checked: dict[str, tuple[Any, dict[str, Any]]] = {}
 
-    # --- What is there ---
+    # --- Listing ---
 
     def listed(self, *suffixes: str) -> list[str]:
         """Return the names of the folder's files of some kinds; with one file open, none."""
@@ -108,7 +108,7 @@ class Workspace:
         return sorted(path.name for path in paths if self._is_own(path))
 
     def _is_own(self, path: Path) -> bool:
-        """Whether something is a file of the folder; what may not be looked at is not."""
+        """Whether a path is a readable file of the folder."""
         try:
             return path.is_file() and is_inside(path, self.folder)
         except (OSError, RuntimeError):  # a link into a closed folder, or in a circle
@@ -119,7 +119,7 @@ class Workspace:
         return self.listed(*SUFFIXES) if self.only is None else [self.only]
 
     def stamp(self) -> int:
-        """Return what changes when a file comes or goes."""
+        """Return the time of the last change of the folder."""
         try:
             return self.folder.stat().st_mtime_ns
         except OSError:
@@ -198,7 +198,7 @@ class Workspace:
         return self._open[name]
 
     def is_changed(self, name: str) -> bool:
-        """Whether a window has more of a file than what is saved."""
+        """Whether a file has unsaved changes in a window."""
         shared = self._open.get(name)
         return shared is not None and shared.text != shared.saved
 
@@ -221,10 +221,10 @@ class Workspace:
             raise OutsideError(f"'{printable(name)}' is not a file of this folder")
         return path
 
-    # --- What a page asks ---
+    # --- Questions of a page ---
 
     def answer(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        """Answer a question about the folder, or do what it wants; an error is said in words."""
+        """Answer a question about the folder, or act on it; an error is told in words."""
         what = str(request.get("what"))
         if what not in _ACTS:
             return {"error": "unknown question"}
@@ -235,7 +235,7 @@ class Workspace:
         return {**answer, **self.listing()}
 
     def listing(self) -> dict[str, Any]:
-        """Return the files with what is quickly known of them."""
+        """Return the files with kind and description."""
         return {
             "only": self.only is not None,
             "starts": PURPOSES,
@@ -259,7 +259,7 @@ class Workspace:
         return {**row, "changed": self.is_changed(name)}
 
     def findings(self, name: str) -> dict[str, Any]:
-        """Return how many findings a file has; what was found last, where it has not changed."""
+        """Return the number of findings of a file, from the cache where it has not changed."""
         shared = self._open.get(name)
         stamp = shared.text if shared else stamp_of(self._path(name))
         if name in self._checked and self._checked[name][0] == stamp:
@@ -272,7 +272,7 @@ class Workspace:
         self._checked[name] = stamp, verdict
         return verdict
 
-    # --- What the user does ---
+    # --- Actions of the user ---
 
     def _list(self, _request: requests.BareMessage) -> dict[str, Any]:
         return {}
@@ -367,7 +367,7 @@ class Workspace:
         return {"texts": texts}
 
     def put(self, name: str, text: str) -> dict[str, Any]:
-        """Write what was dropped under a free name near to `name`."""
+        """Write a dropped file under a free name near to `name`."""
         self._demand_folder()
         names = self._taken()
         path, number = Path(name), 1
@@ -422,12 +422,12 @@ _ACTS: Mapping[str, Callable[[Workspace, Any], dict[str, Any]]] = {
     "users": Workspace._users,
     "carried": Workspace._carried,
 }
-"""What a page may ask of the folder → who answers."""
+"""Question about the folder → its handler."""
 
 
 @cache
 def _examples() -> dict[str, str]:
-    """Return what the examples say of themselves, by the names of their files."""
+    """Return the descriptions of the examples, by file name."""
     return {name: what_it_is(shipped(name).read_text(encoding="utf-8"))[1] for name in EXAMPLES}
 
 
@@ -438,7 +438,7 @@ def _used(text: str) -> list[str]:
 
 
 def converted_file(name: str, data: bytes) -> dict[str, Any]:
-    """Return what was dropped as a text of the language or a table, as `fuzzyarm convert` does.
+    """Return a dropped file as a text of the language or a table, as `fuzzyarm convert` does.
 
     Parameters
     ----------
@@ -482,7 +482,7 @@ def converted_file(name: str, data: bytes) -> dict[str, Any]:
 
 
 def _converted(path: Path) -> dict[str, Any]:
-    """Return a rule base of another program as a text of the language, and what was found."""
+    """Return a rule base of another program as a text of the language, and the findings."""
     imported = read_foreign(path)
     exported = None
     if imported.rulebase is not None:
@@ -501,7 +501,7 @@ def _converted(path: Path) -> dict[str, Any]:
 
 
 def _is_rule_base(path: Path) -> bool:
-    """Whether a file of another program has fuzzy rules: what ends with .xml may be anything."""
+    """Whether a file of another program has fuzzy rules; an .xml may be anything."""
     if path.suffix.lower() != ".xml":
         return True
     try:
@@ -511,6 +511,6 @@ def _is_rule_base(path: Path) -> bool:
 
 
 def _beginning(path: Path) -> str:
-    """Return as much of a file as says what it is."""
+    """Return the beginning of a file, which shows its kind."""
     with path.open("rb") as file:
         return file.read(20_000).decode("utf-8", "replace")

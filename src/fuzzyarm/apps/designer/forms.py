@@ -1,6 +1,6 @@
 """The forms of a page: which fields of a request each of them has.
 
-All else of a form follows from the request: what a field is called, its help, unit, choices,
+All else of a form follows from the request: name of a field, help, unit, choices,
 default, and the sentence about a value that does not fit. The page draws every form alike
 (``page/form.js``).
 """
@@ -48,7 +48,7 @@ SIGNALS = ("reference", "disturb")
 
 @dataclass(frozen=True)
 class RequestForm(Generic[AnyRequest]):
-    """What a page offers of a request.
+    """The fields of a request in a page.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class RequestForm(Generic[AnyRequest]):
     more : tuple of str
         Those that are folded away below the group that most of them have on the help page.
     open : str
-        The field that is what is open; a page does not fill it in.
+        The field for the open file; a page does not fill it in.
     title : str
         Above those that are folded away.
     """
@@ -185,14 +185,14 @@ FORMS: Mapping[str, RequestForm[Any]] = {
 
 
 def judged(form: str, values: FormValues, folder: Path, plants: Plants) -> dict[str, Any]:
-    """Return what is wrong with a form and in which field; nothing where it could begin.
+    """Return the mistake in a form and its field; nothing where it could begin.
 
     Parameters
     ----------
     form : str
         One of `FORMS`.
     values : mapping
-        What has been filled in.
+        The values of the form.
     folder : Path
         Of the file that is open.
     plants : Plants

@@ -46,7 +46,7 @@ class FieldError(GroundsError):
 
 @contextlib.contextmanager
 def at_field(name: str) -> Iterator[None]:
-    """Say of what is refused here that it stands in a field, unless it says so itself."""
+    """Turn an error into one of a field, unless it names its field."""
     try:
         yield
     except RequestError as error:
@@ -61,7 +61,7 @@ def at_field(name: str) -> Iterator[None]:
 def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     """Return the plants of a designer, those first that have the axes of a controller.
 
-    Each with whether it has them, and with what a page offers to follow: see `followable`. The
+    Each with whether it has them, and with its trajectories or references: see `followable`. The
     likeliest is the first.
     """
     from fuzzyarm.apps.designer.stage import followable
@@ -157,7 +157,7 @@ def request_on(plant: Plant, request: Experiment) -> Experiment:
     check_words(request, plant)
     if plant.trajectories:
         return request
-    # A page may hold what was chosen for another plant: as if nobody had said it.
+    # A page may hold choices for another plant: they are dropped.
     return request.replaced(trajectory=None, payload=type(request).payload)
 
 

@@ -57,7 +57,7 @@ def _host_name(host: str) -> str | None:
 
 
 def _with_headers(send: Send) -> Send:
-    """Add what every answer says to the browser."""
+    """Add the headers of every answer."""
     fixed = [
         (b"x-content-type-options", b"nosniff"),
         (b"referrer-policy", b"no-referrer"),

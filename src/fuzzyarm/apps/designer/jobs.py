@@ -1,6 +1,6 @@
 """Long work that a page watches: it runs beside the answering of questions, and can be stopped.
 
-A piece of work is a function of the text as it was, of what the page asked for, and of a
+A piece of work is a function of the text as it was, of the request, and of a
 `WindowJob`. It runs in a thread of its own, which may wait for the user as long as it likes:
 questions are answered by other threads. Its news wait until the window has been sent them, so
 that a slow window slows the work and not the server.
@@ -85,7 +85,7 @@ def _size(download: tuple[str, bytes]) -> int:
 
 
 class Work(Protocol):
-    """What runs as a job."""
+    """A function that runs as a job."""
 
     def __call__(self, session: Session, request: Any, job: WindowJob) -> None:
         """Do it; `request` is a record of `fuzzyarm.apps.designer.requests.WORKS`."""
@@ -103,9 +103,9 @@ class WindowJob:
     folder : Folder
         Whose files it may read and write.
     downloads : Downloads, optional
-        Where it puts what the page is to load.
+        Where files for the page to load are put.
     plants : callable, optional
-        Returns what may be run; the shipped plants by default.
+        Returns the plants; the shipped ones by default.
     """
 
     def __init__(
@@ -128,7 +128,7 @@ class WindowJob:
 
     @cached_property
     def plants(self) -> Plants:
-        """What may be run; it brings the loop and all plants, which few works need."""
+        """The plants; they bring the loop, which few works need."""
         if self._plants is not None:
             return self._plants()
         from fuzzyarm.apps.designer.stage import Plants
@@ -159,7 +159,7 @@ class WindowJob:
         return {"end": "done"}
 
     def hear(self, message: dict[str, Any]) -> None:
-        """Take what the user does."""
+        """Take an action of the user."""
         self._messages.put(message)
 
     def stop(self) -> None:
@@ -175,7 +175,7 @@ class WindowJob:
         self.check()  # it may have been stopped while a slow window was waited for
 
     def heard(self, kind: type[Word], wait: float = 0.0) -> list[Word]:
-        """Return what the page has said since the last look, the oldest first."""
+        """Return the words of the page since the last look, the oldest first."""
         words: list[Word] = []
         # It waits for the first word only.
         while (message := self._messages.take(0.0 if words else wait)) is not None:
@@ -183,7 +183,7 @@ class WindowJob:
         return words
 
     def word(self, kind: type[Word]) -> Word:
-        """Wait for what the page says next; as `heard`."""
+        """Wait for the next word of the page; as `heard`."""
         while True:
             self.check()
             message = self._messages.take(LOOK_EVERY)
@@ -196,11 +196,11 @@ class WindowJob:
             raise StoppedError("stopped")
 
     def progress(self, words: str) -> None:
-        """Tell what is going on."""
+        """Tell the progress."""
         self.tell({"doing": words})
 
     def paced_progress(self, words: str) -> None:
-        """Tell what is going on where the last such word is a while ago."""
+        """Tell the progress, at most every `TELL_EVERY` seconds."""
         if time.monotonic() - self._paced >= TELL_EVERY:
             self._paced = time.monotonic()
             self.progress(words)
@@ -225,7 +225,7 @@ def tell_result(
     files: Mapping[str, bytes] | None = None,
     so_far: bool = False,
 ) -> None:
-    """Tell a result; another one takes the place of what is so far."""
+    """Tell a result; the next one replaces a provisional one."""
     job.tell({
         "so_far": so_far,
         "verdict": verdict,

@@ -94,7 +94,7 @@ class TrainingWork:
     session : Session
         The text that is open.
     asked : LearnWork
-        What is trained, on what, how.
+        The request.
     job : WindowJob
         Where messages go to and come from.
     """
@@ -113,7 +113,7 @@ class TrainingWork:
         self.told_errors = 0
         self.last: Snapshot | None = None
 
-    # --- What is trained on what ---
+    # --- Controller and plant ---
 
     def _trainee(self, session: Session) -> tuple[str, Trainee]:
         from fuzzyarm.control.controllers.catalogue import (
@@ -168,7 +168,7 @@ class TrainingWork:
         return (read_table(self.job.folder.beside(name, ".lut")),)
 
     def _motion(self) -> tuple[Motion, str]:
-        """Return the set points, and in words along what they lead."""
+        """Return the set points, and their path in words."""
         from fuzzyarm.control.loop.run import plant_motion
         from fuzzyarm.control.loop.words import signals
         from fuzzyarm.learning.self_organizing import reference_words, trajectory_words
@@ -212,7 +212,7 @@ class TrainingWork:
         self.mode = "stop"
         if self.last is not None:
             self._show(self.last)
-        while True:  # what was learned can still be saved
+        while True:  # the result can still be saved
             self._take(self.job.word(LearnWord))
 
     def _is_due(self, snapshot: Snapshot) -> bool:

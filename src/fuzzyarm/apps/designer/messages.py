@@ -1,4 +1,4 @@
-"""What a page hears, a record each: the messages of the server, and the picture of a rule base.
+"""Messages to a page, a record each, and the picture of a rule base.
 
 They are dictionaries, ready for JSON, whose keys mypy checks where they are made;
 `tools/message_types.py` prints them as types for the page. News of long work carry fields of their
@@ -108,7 +108,7 @@ class SceneMember(TypedDict):
 
 
 class SceneOutput(SceneVariable):
-    """An output, with what is aggregated."""
+    """An output, with its aggregated sets."""
 
     defuzzifier: str
     aggregation: int
@@ -169,7 +169,7 @@ class SceneGrid(TypedDict):
 
 
 class Method(TypedDict, total=False):
-    """A setting of inference with its choices, or what a block says (`block`)."""
+    """A setting of inference with its choices, or the settings of a block (`block`)."""
 
     key: str
     value: str
@@ -179,7 +179,7 @@ class Method(TypedDict, total=False):
 
 
 class Scene(TypedDict):
-    """What is drawn of a rule base.
+    """The picture of a rule base.
 
     ``numbers`` is null where the kernel does not evaluate it; then ``reason`` says what it does not
     do.

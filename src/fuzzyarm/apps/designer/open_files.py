@@ -1,6 +1,6 @@
 """The open files and their windows: messages about them, and their handlers.
 
-What carries the messages is another matter: a socket to this machine's server
+The carrier of the messages is another matter: a socket to this machine's server
 (`fuzzyarm.apps.designer.server`), or a page that has its own Python (`fuzzyarm.apps.playground`).
 A message is JSON, an object each way. A window may have several files open: a message about one
 names it, under ``file``. What a window may say are the records of
@@ -71,7 +71,7 @@ WORKS: dict[str, Work] = {
     "prove": _later("proving", "prove"),
     "sheets": _later("diagram", "sheets"),
 }
-"""Long work that a page may start → what does it; `OpenFiles` adds what needs its plants."""
+"""Long work → its function; `OpenFiles` adds those that need its plants."""
 
 
 class Window:
@@ -123,7 +123,7 @@ class OpenFiles:
     workspace : Workspace
         The files.
     plants : Plants, optional
-        What may be run; the shipped ones by default.
+        The plants; the shipped ones by default.
     """
 
     learns = True
@@ -140,13 +140,13 @@ class OpenFiles:
         self._checks: dict[str, asyncio.Task[None]] = {}
         self._running: set[asyncio.Task[None]] = set()
         self._unsaved: list[str] = []  # as the windows know them
-        self._logged_faults: set[tuple[str, str]] = set()  # of what is done again and again
+        self._logged_faults: set[tuple[str, str]] = set()  # of repeated tasks
 
     # --- Runs ---
 
     @cached_property
     def plants(self) -> Plants:
-        """What may be run; it brings the loop and all plants, which a page may not need."""
+        """The plants; they bring the loop, which a page may not need."""
         from fuzzyarm.apps.designer.stage import Plants
 
         return self._plants or Plants()
@@ -164,7 +164,7 @@ class OpenFiles:
         self._runs.describe(session, request, job)
 
     async def hear(self, window: Window, text: str | None) -> None:
-        """Do what a window says; whatever is wrong with it is answered, and ends nothing."""
+        """Handle a message of a window; a mistake in it is answered, and ends nothing."""
         message: dict[str, Any] = {}
         try:
             message = _object_of(text)
@@ -227,7 +227,7 @@ class OpenFiles:
         await self._changed(request.file, shared, before, disk=True)
 
     async def _say(self, window: Window, request: requests.OfJob, message: dict[str, Any]) -> None:
-        """Give words to work that still runs; what has ended hears nothing."""
+        """Give words to work that still runs."""
         if request.id in window.jobs:
             window.jobs[request.id].hear(message)
 
@@ -292,7 +292,7 @@ class OpenFiles:
         await window.tell({"is": "answer", "id": request.id, **answer})
 
     async def _act(self, what: str, message: dict[str, Any]) -> dict[str, Any]:
-        """Do what a page wants of the folder: what takes its time does so beside the answering."""
+        """Act on the folder for a page; long acts run beside the answering."""
         if what == "findings":
             file = read_record(requests.OfFile, message).file
             return await aside(self.workspace.findings, file)
@@ -307,7 +307,7 @@ class OpenFiles:
         return self.workspace.answer(message)
 
     def _judged(self, form: requests.FormQuestion) -> dict[str, Any]:
-        """Return what is wrong with a form while a hand fills it in."""
+        """Return the mistake in a form that is being filled in."""
         from fuzzyarm.apps.designer.forms import judged
 
         folder = Path(self.workspace.text(form.file).session.path).parent
@@ -397,7 +397,7 @@ class OpenFiles:
     async def _push(self, window: Window, request: requests.Push, nothing: dict[str, Any]) -> None:
         version, name = request.version, request.file
         shared = self.workspace.text(name)
-        if self._writers.get(name) is not window:  # what it has typed stays there until it writes
+        if self._writers.get(name) is not window:  # its typed text stays there until it writes
             await window.tell(self._right(window, name))
             return
         if shared.push(version, request.updates):
@@ -437,10 +437,10 @@ class OpenFiles:
         disk: bool = False,
         reread: bool = False,
     ) -> None:
-        """Tell all windows on a file what has changed since a version, and check it again."""
+        """Tell all windows on a file the changes since a version, and check it again."""
         updates = shared.since(before) or []
         news: list[dict[str, Any]] = [{"is": "status", **shared.status, "reread": reread}]
-        if disk:  # what is on disk may be long, and changes rarely
+        if disk:  # the text on disk may be long, and changes rarely
             news[0]["saved"] = shared.saved
         if updates:
             news.insert(0, {"is": "updates", "version": before, "updates": updates})
@@ -525,7 +525,7 @@ class OpenFiles:
                 internal_words(error, doing)
 
     async def _look_at(self, name: str) -> None:
-        """Tell the windows on a file what another program has written."""
+        """Tell the windows on a file the text that another program has written."""
         shared = self.workspace.opened(name)
         before = shared.version if shared else 0
         if shared and shared.look():
@@ -538,7 +538,7 @@ class OpenFiles:
         self._hold(self._welcome(window))
 
     async def _welcome(self, window: Window) -> None:
-        """Tell a window what it may have missed: which files there are, and which are unsaved."""
+        """Tell a window which files there are, and which are unsaved."""
         window.follows = True
         await self._tell_names(self.workspace.files(), [window])
         await window.tell({"is": "unsaved", "names": self.workspace.unsaved()})
@@ -558,11 +558,11 @@ _COMMANDS: Mapping[str, Callable[[OpenFiles, Window, Any, dict[str, Any]], Await
     "stop": OpenFiles._stop,
     "folder": OpenFiles._folder,
 }
-"""What a window may say → what does it."""
+"""Command of a window → its handler."""
 
 
 def _object_of(text: str | None) -> dict[str, Any]:
-    """Return what a window says."""
+    """Return the object in a message."""
     try:
         message = json.loads(text or "")
     except (ValueError, RecursionError):
@@ -580,7 +580,7 @@ def _decoded(data: str) -> bytes:
 
 
 def _refusal(message: dict[str, Any], wrong: dict[str, Any]) -> dict[str, Any]:
-    """Return what is wrong with a message, for whoever waits for its answer."""
+    """Return the refusal of a message, for whoever waits for its answer."""
     if message.get("do") in ("ask", "save", "folder") and "id" in message:
         return {"is": "answer", "id": message["id"], **wrong}
     of_file = {"file": message["file"]} if "file" in message else {}

@@ -1,4 +1,4 @@
-"""Proving from a page: what ``fuzzyarm prove`` says of the text that is open, with pictures.
+"""Proofs in the page: the verdicts of ``fuzzyarm prove`` on the open text, with pictures.
 
 Without a choice the `prove` lines of the text are judged. Of a rule base one may have the range of
 an output, its slopes, its sectors or the error of a table bounded; of a controller a claim about
@@ -36,7 +36,7 @@ BUDGET = 60.0
 
 
 def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell what the form is, and which lines and outputs the text has."""
+    """Tell the form, and the claims and outputs of the text."""
     _refuse_table(session)
     controller, rulebase = session.reading.parsed.controller, session.reading.parsed.rulebase
     outputs: list[str] = []
@@ -45,7 +45,7 @@ def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
     elif rulebase is not None:
         lines, outputs = len(rulebase.properties), [output.name for output in rulebase.outputs]
     else:
-        raise TextRefusedError("the text has mistakes: first mend what stands below it")
+        raise TextRefusedError("the text has mistakes: first mend the findings below it")
     is_loop = controller is not None
     job.tell({
         "loop": is_loop,
@@ -83,7 +83,7 @@ def prove(session: Session, record: ProveWork, job: WindowJob) -> None:
 
 
 def _told(job: WindowJob) -> Any:
-    """Return what a proof calls now and then: the page hears of it, and may stop it."""
+    """Return the progress callback of a proof, by which the page may stop it."""
 
     def tell(statement: str, count: int, gap: float) -> None:
         words = "" if math.isnan(gap) else f", {gap:.3g} to go"
@@ -185,7 +185,7 @@ class _LoopProof:
                 self._judge(claim, f"{Path(self.text.path).stem}{suffix}.json")
 
     def _claims(self) -> list[LoopClaim]:
-        """Return what is claimed: by the form, or by the lines of the text."""
+        """Return the claims: of the form, or of the lines of the text."""
         from fuzzyarm.proof.loop.orders import claim_of, wants_loop
 
         request = self.request
@@ -235,7 +235,7 @@ class _LoopProof:
             certify(self.request, self.text, verdict, str(path), _told(self.job))
             return path.read_bytes()
 
-    # --- What is bounded ---
+    # --- Bounds ---
 
     def _tube(self) -> None:
         """Bound all ports for a time."""
@@ -296,11 +296,11 @@ def _charts(text: ControllerText, verdict: LoopVerdict, plant: Any) -> list[Char
     return [region_chart(text, verdict, plant)] if verdict.proved else []
 
 
-# --- Margins: what ``fuzzyarm margins`` says of the loop that is open, with its diagrams ---
+# --- Margins of the open loop, with their diagrams ---
 
 
 def opened_loop(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell what the form is, and which plants there are."""
+    """Tell the form and the plants."""
     plants = plants_for(_loop_of(session).model, job.plants)
     job.tell({"plants": plants, "form": MARGINS.fields()})
 

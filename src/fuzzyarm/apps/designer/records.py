@@ -1,4 +1,4 @@
-"""Records read from what a page sends: JSON becomes a frozen dataclass, or an error says why not.
+"""Records read from messages: JSON becomes a frozen dataclass, or an error says why not.
 
 Whatever arrives through the socket is judged here, before any handler sees it. So what a handler
 fails at afterwards is a fault of the program (`fuzzyarm.apps.designer.faults`), never of the

@@ -1,4 +1,4 @@
-"""What a page may say, a record each: commands, questions, long work, and words to such work.
+"""Messages of a page, a record each: commands, questions, long work, and words to such work.
 
 The socket speaks JSON, an object each way. ``do`` of an object names its record in `COMMANDS`;
 ``what`` of a question or of work names one more, in `TEXT_QUESTIONS`, `FOLDER_QUESTIONS` or
@@ -32,7 +32,7 @@ FormValues = Mapping[str, FormValue]
 
 @dataclass(frozen=True)
 class BareMessage:
-    """A question that says no more than what it is."""
+    """A question without fields."""
 
 
 # --- Commands ---
@@ -40,7 +40,7 @@ class BareMessage:
 
 @dataclass(frozen=True)
 class Open:
-    """A window shows a file; with what it has of it, if it had the file open before.
+    """A window shows a file; with its own text, if it had the file open before.
 
     `wrote` is whether it wrote the file then, and `asked` are texts that it wanted saved, of which
     it does not know whether they were.
@@ -376,7 +376,7 @@ class Convert:
 
 @dataclass(frozen=True)
 class FormQuestion:
-    """What is wrong with a form that the user is filling in, and of which file it is."""
+    """A form that is being filled in, to be judged, and its file."""
 
     file: str
     form: str
@@ -452,7 +452,7 @@ class CompareWork:
 
 @dataclass(frozen=True)
 class ExportWork:
-    """What a text is exported as; the fields of its dialog by name."""
+    """The suffix of an export; the fields of its dialog by name."""
 
     suffix: str
     options: FormValues = field(default_factory=dict)
@@ -530,7 +530,7 @@ class ProveWork:
     Attributes
     ----------
     certificate : bool
-        Whether what is proved of a loop is certified, for the page to load.
+        Whether proofs about a loop get a certificate for the page to load.
     """
 
     form: FormValues = field(default_factory=dict)
@@ -565,7 +565,7 @@ WORKS: Mapping[str, type] = {
 
 @dataclass(frozen=True)
 class RunWord:
-    """What the user does to a run.
+    """Actions of the user on a run.
 
     Attributes
     ----------
@@ -598,7 +598,7 @@ class RunWord:
 
 @dataclass(frozen=True)
 class LearnWord:
-    """What the user does to a training; `save` is the name of a table."""
+    """Actions of the user on a training; `save` is the name of a table."""
 
     go: Literal["run", "pause", "step", "stop"] | None = None
     speed: Literal["watch", "fast"] | None = None
@@ -608,7 +608,7 @@ class LearnWord:
 
 @dataclass(frozen=True)
 class TuneWord:
-    """What the user does to a search: end it, or take what it has found."""
+    """Actions of the user on a search: end it, or take its result."""
 
     enough: bool = False
     take: bool = False
@@ -617,7 +617,7 @@ class TuneWord:
 
 @dataclass(frozen=True)
 class FitWord:
-    """What the user does to a fit: end it; `save` is the name of a rule base."""
+    """Actions of the user on a fit: end it; `save` is the name of a rule base."""
 
     enough: bool = False
     save: str | None = None
@@ -626,7 +626,7 @@ class FitWord:
 
 @dataclass(frozen=True)
 class SweepWord:
-    """What the user does to a sweep: end it, with the runs that are made."""
+    """Actions of the user on a sweep: end it, and keep its runs."""
 
     enough: bool = False
 

@@ -86,7 +86,7 @@ class Running:
     Parameters
     ----------
     plants : Plants
-        What may be run.
+        The plants.
     """
 
     def __init__(self, plants: Plants) -> None:
@@ -142,7 +142,7 @@ def controller_of(text: str, path: str) -> CompiledController:
 
 
 def _uses(text: str, path: str) -> list[str]:
-    """Return the files that a controller uses: what is saved of them is what runs."""
+    """Return the files that a controller uses, as they are saved."""
     model = parse(text, path).controller
     return sorted({file for use in model.uses for file in use.files}) if model else []
 
@@ -171,11 +171,11 @@ class LiveRun:
     Parameters
     ----------
     plants : Plants
-        What may be run.
+        The plants.
     session : Session
         The text when it was started.
     request : RunWork
-        What is to be run, in the words of ``fuzzyarm simulate``.
+        The request, in the words of ``fuzzyarm simulate``.
     job : WindowJob
         The connection with the page.
     """
@@ -191,7 +191,7 @@ class LiveRun:
         self.rate = CALM if request.calm else PICTURES
         self._begin()
 
-    # --- What runs ---
+    # --- The loop ---
 
     def _begin(self) -> None:
         """Make everything of the text as it is now, and tell the page."""
@@ -212,7 +212,7 @@ class LiveRun:
         self.sent = 0
         self.told_over = self.reached = self.told_reached = False
         self.measured, self.measuring, self.measured_at = -math.inf, 0.0, -1
-        # Samples in a second of the loop: what is probable, until it is known.
+        # Samples in a second of the loop: a guess, until it is measured.
         self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
         self.behind = -math.inf
         self.last_state: tuple[Any, ...] = ()
@@ -303,7 +303,7 @@ class LiveRun:
     def _scene(self) -> PlantScene:
         return PlantScene(self.loop.so_far(self.run), len(self.run.record.rows) - 1)
 
-    # --- What the page says ---
+    # --- Words of the page ---
 
     def _take(self, word: RunWord) -> None:
         before = self.__dict__.copy()
@@ -391,7 +391,7 @@ class LiveRun:
         return {path: path.stat().st_mtime_ns for path in files if path.exists()}
 
     def _look_at_files(self) -> None:
-        """Take up what has been written to a rule base or a table that the controller uses."""
+        """Take up changes of the files that the controller uses."""
         now = time.perf_counter()
         if now - getattr(self, "_looked", -1.0) < 0.5:
             return
@@ -469,7 +469,7 @@ class LiveRun:
             return max(period, seconds_of(word))
 
     def _show(self) -> None:
-        """Tell what has happened since the last time, and the picture."""
+        """Tell the samples since the last time, and the picture."""
         rows = self.run.record.rows
         state = {
             "time": short(self._time(len(rows)), 9),
@@ -477,7 +477,7 @@ class LiveRun:
             "behind": time.perf_counter() - self.behind < 1.0,
         }
         if len(rows) > self.sent:
-            # What has left the window meanwhile is not sent.
+            # Samples that have left the window are not sent.
             first = max(self.sent, len(rows) - self.window)
             news = {"news": "samples", **state, **self._curves(rows[first:], first)}
             self.sent = len(rows)
@@ -509,7 +509,7 @@ class LiveRun:
         return None if drawing is None else drawing_data(drawing)
 
     def _curves(self, rows: NDArray[np.float64], first: int) -> dict[str, Any]:
-        """Return wanted, output and error of what is tracked, then drives.
+        """Return reference, output and error of each tracked output, then the drives.
 
         Of several samples in a point of the curve the smallest and the largest value.
         """
@@ -582,7 +582,7 @@ def _lasting(words: ExperimentRequest, seconds: float) -> ExperimentRequest:
 
 
 def _range(gain: Gain, tune: Any) -> dict[str, Any]:
-    """Return between what a gain can be moved: as it may be tuned, or around what it is."""
+    """Return the slider range of a gain: its tuning range, or one around its value."""
     if tune is not None:
         low, high, log = tune.low, tune.high, tune.log
     elif gain.bounds is not None:

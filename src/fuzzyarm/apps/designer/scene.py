@@ -1,4 +1,4 @@
-"""What a page draws of a rule base, as plain data: variables, terms, rules, and the numbers."""
+"""The picture of a rule base as plain data: variables, terms, rules and numbers."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 __all__ = ["Positions", "held_numbers", "scene_of"]
 
 LowerNames = dict[tuple[str, str], str]
-"""For a variable and a term: what its lower end is called."""
+"""Variable and term → the name of its lower end."""
 
 WIDTHS = frozenset({
     "deviation", "left-deviation", "right-deviation", "width", "slope", "slope1", "slope2",
@@ -79,7 +79,7 @@ class Positions:
 
 
 def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
-    """Return what a page draws of a rule base."""
+    """Return the picture of a rule base."""
     positions = Positions(reading.raw_lines)
     functions = Functions()
     whole = plan(rulebase)
@@ -110,7 +110,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
 
 
 def _missing(rulebase: RuleBase, reading: Reading) -> list[str]:
-    """Return what a picture still needs; a grid of dots alone has no rules either."""
+    """Return the parts that a picture still needs; a grid of dots has no rules."""
     found = [diagnostic.name for diagnostic in reading.parsed.diagnostics]
     return [name for name in found if name in INCOMPLETE] or (
         [] if rulebase.rules else ["no-rules"]
@@ -153,7 +153,7 @@ def _variable(
 def _term(
     term: Term, variable: Input | Output, functions: Functions, positions: Positions, lower: str
 ) -> SceneTerm:
-    """Describe a term; `lower` is what its lower end is called in the numbers, where it has one."""
+    """Describe a term; `lower` is the name of its lower end in the numbers, if any."""
     term_scene: SceneTerm = {
         "name": term.name,
         "at": positions.of(term.span)[0],
@@ -284,7 +284,7 @@ def _parts(rule: Rule, names: list[str]) -> Iterable[list[Any]]:
 
 
 def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
-    """Return how rules are evaluated: settings with their choices, and what blocks say themselves.
+    """Return how rules are evaluated: settings with their choices, and those of blocks.
 
     A variable with a line of its own for a setting has a row of its own.
     """

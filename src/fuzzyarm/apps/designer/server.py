@@ -55,9 +55,9 @@ class Designer(OpenFiles):
     workspace : Workspace
         The files.
     token : str
-        What an address has to begin with.
+        The secret part of an address.
     plants : Plants, optional
-        What may be run; the shipped ones by default.
+        The plants; the shipped ones by default.
     farewell : callable, optional
         Takes the names of the files with unsaved changes, if there are any when it ends.
     """

@@ -1,7 +1,7 @@
 """An open file that several windows share: its text, its versions, and the file on disk.
 
 The text here is the one that counts. A window sends its changes with the version that they are
-made for; what is late is not taken, and the window puts it on top of what it missed. The file on
+made for; a late change is not taken, and the window puts it on top of those it missed. The file on
 disk is read again when another program has written it. Where nothing was unsaved its text is taken;
 else, or where it cannot be read, there is a conflict, which is shown until a person decides. A file
 that is gone is said to be. Nothing is overwritten in silence.
@@ -83,7 +83,7 @@ class ConflictError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True)
 class Conflict:
-    """What stands against the text here until a person decides.
+    """A text that conflicts with the one here until a person decides.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Conflict:
     why : str
         Why it cannot.
     on_disk : bool
-        Whether it is what is on disk, and not what another window has had since a restart.
+        Whether it is the text on disk, and not that of another window since a restart.
     both : str or None
         The text with the changes of both; None where they touch the same lines.
     """
@@ -111,7 +111,7 @@ class SharedText:
     path : Path
         The file.
     text : str, optional
-        What a window has of a file that is gone; else it is read.
+        The text that a window has of a file that is gone; else it is read.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class SharedText:
     is_typed : bool
         Whether a window has changed the text since it was opened.
     conflict : Conflict or None
-        What somebody else has written while something here was unsaved.
+        A text that somebody else wrote while something here was unsaved.
     """
 
     def __init__(self, path: Path, text: str | None = None) -> None:
@@ -211,7 +211,7 @@ class SharedText:
         self.replace(text, RESUMED)
 
     def remember(self, text: str, saved: str) -> None:
-        """Take what a window that only read has, where it is more than anybody else knows."""
+        """Take the text of a reading window where it is newer than all others."""
         if self.version == 0 and saved == self.saved:
             self.replace(text, RESUMED)
 
@@ -247,7 +247,7 @@ class SharedText:
             raise OutsideError(f"'{self.path.name}' now links to a file outside the folder")
 
     def _take(self, disk: str) -> None:
-        """Take what is on disk now, or note the conflict with what is unsaved here."""
+        """Take the text on disk, or note its conflict with unsaved changes here."""
         if disk not in (self.saved, self.text) and self.text != self.saved:
             self.conflict = Conflict(disk, both=merged(self.saved, self.text, disk))
             return
@@ -286,7 +286,7 @@ class SharedText:
         self.session = Session(str(path), self.text, self.version)
 
     def settle(self, keep: str) -> None:
-        """End a conflict; what differs from the file then is written by the next save.
+        """End a conflict; the next save writes the differences to the file.
 
         A file that cannot be read has nothing to be taken: it is written over at once.
         """
@@ -338,14 +338,14 @@ class SharedText:
         }
 
     def scene(self, session: Session) -> SceneMessage:
-        """Return what is drawn of a session's text; nothing where it has mistakes."""
+        """Return the picture of a session's text; nothing where it has mistakes."""
         reading = session.reading
         scene: Scene | None = None
         rulebase: RuleBase | None = None
         if isinstance(reading, Reading):
             rulebase = session.review().rulebase
             if rulebase is None and _is_begun(reading):
-                rulebase = reading.model  # it is not finished; what is there is drawn
+                rulebase = reading.model  # it is unfinished: its parts are drawn
             if rulebase is not None:
                 scene = scene_of(rulebase, reading)
         return {
@@ -370,7 +370,7 @@ class SharedText:
 
         return diagram_of(with_files(controller, home_of(self.path), str(self.path))[0], reading)
 
-    # --- What a page asks ---
+    # --- Questions of a page ---
 
     def answer(self, request: dict[str, Any]) -> dict[str, Any]:
         """Answer a question about the text; an error is said in words."""
@@ -593,7 +593,7 @@ _QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
     "table-cell": SharedText._table_cell,
     "exports": SharedText._exports,
 }
-"""What a page may ask → who answers."""
+"""Question → its handler."""
 
 
 def _most_telling(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:

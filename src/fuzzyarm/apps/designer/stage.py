@@ -18,7 +18,7 @@ from fuzzyarm.plant.plant import Address, Interface, Plant, PlantError, paramete
 Loads = dict[Address, float]
 
 STEPS = {"tanks": 0.1, "room": 21.0, "ball-and-beam": 0.2}
-"""Where a page has a plant go that does not reach 1, in the unit of what it follows."""
+"""Default step of plants that do not reach 1, in the unit of the reference."""
 
 
 class Plants:
@@ -66,7 +66,7 @@ def step_of(plant: str, port: str) -> str:
 
 
 def followable(name: str, plant: Plant, port: str) -> dict[str, Any]:
-    """Return what a page offers a plant to follow: its trajectories, or a reference of a port."""
+    """Return the trajectories of a plant, or a reference of a port."""
     trajectories = list(plant.trajectories)
     return {
         "trajectories": trajectories,
@@ -89,7 +89,7 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     return {"why": "", **followable(name, plant, label(followed)), "ports": ports}
 
 
-# --- What the user does ---
+# --- Actions of the user ---
 #
 # A pull is an arrow of a length between -1 and 1 each way. It becomes loads of inputs, which the
 # loop adds behind the limits of the drives: the same as --disturb.
@@ -99,7 +99,7 @@ TIP_FORCE = 60.0
 
 
 def loads_of(plant: Plant, scene: PlantScene, interface: Interface, x: float, y: float) -> Loads:
-    """Return what a pull adds to the inputs of a plant."""
+    """Return the loads of a pull on the inputs of a plant."""
     if not (math.isfinite(x) and math.isfinite(y)):
         return {}
     x, y = (min(1.0, max(-1.0, coordinate)) for coordinate in (x, y))

@@ -30,7 +30,7 @@ class NothingToComputeError(FuzzyarmError, ValueError):
 
 
 def surface(session: Session, request: SurfaceWork, job: WindowJob) -> None:
-    """Tell what fires at a point, then an output over two inputs through it."""
+    """Tell the firing rules at a point, then an output over two inputs through it."""
     rulebase = getattr(session.reading.parsed, "rulebase", None)  # a table has none
     if not isinstance(rulebase, RuleBase):
         raise NothingToComputeError("the text is not a sound rule base")

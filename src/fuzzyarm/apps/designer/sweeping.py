@@ -1,4 +1,4 @@
-"""Many runs of the text that is open: what ``fuzzyarm sweep`` says, with its map as a picture."""
+"""Many runs of the open text: the report of ``fuzzyarm sweep``, with its map."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOST_RUNS = 20_000
 
 
 def sweepable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell what the form is, on what the text runs, and the names of its gains."""
+    """Tell the form, the plants that fit, and the names of the gains."""
     controller, model = _controller(session)
     job.tell({
         "plants": plants_for(model, job.plants),
@@ -56,7 +56,7 @@ def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
 
 
 def sweep(session: Session, record: FormWork, job: WindowJob) -> None:
-    """Run, and tell what came of it."""
+    """Run, and tell the result."""
     from fuzzyarm.apps.show.sweep import sweep_lines
     from fuzzyarm.control.loop.many import many_of
     from fuzzyarm.control.loop.sweeps import answered

@@ -84,13 +84,13 @@ def wait_for(telling: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop
         from pyodide.ffi import run_sync
 
         run_sync(telling)
-        run_sync(asyncio.sleep(0.0))  # what has been said meanwhile is heard
+        run_sync(asyncio.sleep(0.0))  # messages of the meantime are heard
     else:
         _at_once(telling)
 
 
 def _at_once(telling: Coroutine[Any, Any, None]) -> None:
-    """Run what says something to a page: there it waits for nothing."""
+    """Run a coroutine that tells a page something; it waits for nothing there."""
     try:
         telling.send(None)
     except StopIteration:
@@ -102,7 +102,7 @@ def _at_once(telling: Coroutine[Any, Any, None]) -> None:
 
 
 class Mailbox(Generic[Letter]):
-    """What one thread says to another, in order."""
+    """Messages from one thread to another, in order."""
 
     def __init__(self) -> None:
         self._letters: queue.SimpleQueue[Letter] = queue.SimpleQueue()
@@ -124,7 +124,7 @@ class Mailbox(Generic[Letter]):
         return self._letters.get_nowait()
 
     def _let_others(self, wait: float) -> None:
-        """Let what else there is to do be done, until there is a letter or the time is up."""
+        """Let other tasks run until there is a letter or the time is up."""
         if not can_take_turns():
             return
         from pyodide.ffi import run_sync

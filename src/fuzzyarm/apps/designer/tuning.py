@@ -57,14 +57,14 @@ MOST_DOTS = 2_000
 """Of trials in the picture of a long search."""
 
 NAMES = {"search": "best so far", "linear": "linear PD"}
-"""What the lines of the phases are."""
+"""Phase → label of its line."""
 
 POLITE = 5
 """By how much the search gives way to the server."""
 
 
 def subject_of(path: str, text: str) -> ControllerText | RuleBase:
-    """Return what is tuned in a text."""
+    """Return the subject of tuning in a text."""
     if not path.lower().endswith(".frb"):
         raise TextRefusedError("a table is not tuned; open a controller or a rule base")
     parsed = parse(text, path)
@@ -77,11 +77,11 @@ def subject_of(path: str, text: str) -> ControllerText | RuleBase:
     return parsed.rulebase
 
 
-# --- What may be asked ---
+# --- Facts for the form ---
 
 
 def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell whether the text can be tuned, what may move in it, and on what."""
+    """Tell whether the text can be tuned, its parameters, and its plants or samples."""
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.learning.tuning import TuneError
     from fuzzyarm.learning.tuning.design import Design, says_what_moves
@@ -109,7 +109,7 @@ def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
 
 
 class PageOrder(NamedTuple):
-    """What is to be tuned, and how; plain data for the process that searches."""
+    """The order of a search, as plain data for its process."""
 
     path: str
     text: str
@@ -119,7 +119,7 @@ class PageOrder(NamedTuple):
 
 
 def order_of(session: Session, work: FormWork, job: WindowJob) -> PageOrder:
-    """Read what a page asks for; GroundsError if something is out of range, or would run a file."""
+    """Read the request; GroundsError if a value is out of range, or would run a file."""
     from fuzzyarm.learning.tuning.cost import read_cost
     from fuzzyarm.learning.tuning.orders import longest
     from fuzzyarm.learning.tuning.tune import read_tuning
@@ -157,13 +157,13 @@ def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
     return files
 
 
-# --- Here: what a page hears ---
+# --- Here: messages to the page ---
 
 
 def tune(session: Session, request: FormWork, job: WindowJob) -> None:
     """Search and report until the page stops."""
     order = order_of(session, request, job)
-    prepared(order)  # what does not fit is said at once
+    prepared(order)  # mistakes are told at once
     report = _searched(order, job)
     files = report.pop("files")
     job.tell({"report": report})
@@ -174,7 +174,7 @@ def tune(session: Session, request: FormWork, job: WindowJob) -> None:
 
 
 def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
-    """Run the search in a process of its own, and pass on what it says."""
+    """Run the search in a process of its own, and pass on its messages."""
     from multiprocessing import get_context
 
     context = get_context("spawn")  # a fork would copy locks of threads that it does not copy
@@ -197,7 +197,7 @@ def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
 
 
 def _heard(here: Connection, job: WindowJob, searches: list[dict[str, Any]]) -> dict[str, Any]:
-    """Pass on what the search says; return its report, and keep what comes before that."""
+    """Pass on the messages of the search; return its report, and keep interim ones."""
     while True:
         if any(word.enough for word in job.heard(TuneWord)):
             here.send("enough")
@@ -287,7 +287,7 @@ def _listen(pipe: Connection, enough: threading.Event) -> None:
 
 
 def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]:
-    """Return what is tuned, and the keywords of `fuzzyarm.learning.tuning.tune`."""
+    """Return the subject, and the keywords of `fuzzyarm.learning.tuning.tune`."""
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.control.loop.words import conventions_of
     from fuzzyarm.learning.tuning.orders import Order
@@ -319,7 +319,7 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
 
 
 def _samples(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
-    """Return the samples for a rule base alone, its only output being what is to be met."""
+    """Return the samples for a rule base alone; its only output is the target."""
     from fuzzyarm.learning.tuning.orders import samples_of
 
     if request.data is None:
@@ -357,14 +357,14 @@ def _thinned(dots: Dots) -> Dots:
 
 
 class Teller:
-    """Says now and then what a search has found.
+    """Reports the progress of a search.
 
     Parameters
     ----------
     pipe : Connection
         To the server.
     design : Design
-        What moves.
+        The parameters.
     enough : Event
         Set when the search is to end.
     """
@@ -393,13 +393,13 @@ class Teller:
         self._hear("linear", result)
 
     def rest(self) -> None:
-        """Say what has not been said."""
+        """Report new results."""
         for phase, (result, when) in self.results.items():
             if self.trials_shown[phase] < len(result.trials):
                 self._say(phase, result, when - self.begin)
 
     def end(self) -> None:
-        """Say what has not been said, and draw the costs of all trials."""
+        """Report new results, and draw the costs of all trials."""
         self.rest()
         self.pipe.send(self._picture(is_last=True))
 

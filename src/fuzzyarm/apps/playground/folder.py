@@ -33,7 +33,7 @@ BUNDLE = PAGE / "built/playground.js"
 STYLES = ("style.css", "files.css", "vendor/uplot.css", "run.css", "playground.css")
 
 BEGIN_WITH = ("pd7.frb", "servo.frb", "tipper.frb")
-"""What a visitor finds, of the shipped files."""
+"""The shipped files of a new visitor."""
 
 POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self';"

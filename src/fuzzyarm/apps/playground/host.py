@@ -1,4 +1,4 @@
-"""What answers the page of a playground, in the Python of that page.
+"""The server side of a playground, in the Python of its page.
 
 The page sends the messages that it sends to a server, and they go to the same handlers
 (:class:`fuzzyarm.apps.designer.open_files.OpenFiles`). The files are in memory; the page keeps
@@ -31,7 +31,7 @@ FOLDER = Path("/playground")
 """Where the files are, in the memory of the page."""
 
 FORESIGHT = 1.0
-"""Seconds after which what the page will want is loaded."""
+"""Seconds after which modules are loaded ahead."""
 
 LARGEST_TEXT = 500_000
 """Characters of a text that is checked while it is typed."""
@@ -81,14 +81,14 @@ class PageFiles(OpenFiles):
         )
 
     async def listen(self) -> None:
-        """Do one after the other what the page and its other tabs say."""
+        """Handle the messages of the page and of its other tabs, one after the other."""
         while True:
             letter = await self.letters.get()
             with self._logged("hearing a page"):
                 await letter()
 
     async def store(self, name: str, text: str | None) -> None:
-        """Take what another tab of the page has stored of a file, or that it is gone."""
+        """Take the text that another tab has stored of a file, or its removal."""
         shared = self.workspace.opened(name)
         if text is None:
             await self._moved(self.workspace.answer({"what": "delete", "file": name}))
@@ -168,7 +168,7 @@ def begin(
     async def foresee() -> None:
         await asyncio.sleep(FORESIGHT)
         for name in USED:
-            await asyncio.sleep(0.05)  # what the page says meanwhile comes first
+            await asyncio.sleep(0.05)  # messages of the page come first
             import_module(f"fuzzyarm.{name}")
 
     page.tasks += [asyncio.ensure_future(page.listen()), asyncio.ensure_future(page.watch())]
@@ -185,6 +185,6 @@ def begin(
 
 
 def warm() -> None:
-    """Load what a page will want sooner or later."""
+    """Load modules that a page will want sooner or later."""
     for name in USED:
         import_module(f"fuzzyarm.{name}")

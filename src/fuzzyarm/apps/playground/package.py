@@ -29,7 +29,7 @@ APART = frozenset(
         "apps/designer/page",
     }
 )
-"""What a page has no use for: commands, compilers, other libraries, and the page's own files."""
+"""Left out of a page: commands, compilers, other libraries, and the page's own files."""
 
 LOADING = """
 import sys
@@ -39,7 +39,7 @@ install()
 from fuzzyarm.apps.playground import host
 host.warm()
 """
-"""What a page does first, in a Python that has the standard library and the archive alone."""
+"""The start of a page, in a Python with the standard library and the archive alone."""
 
 WHEN = (1980, 1, 1, 0, 0, 0)
 """Of all files: the same sources make the same archive."""

@@ -22,7 +22,7 @@ from fuzzyarm.base.extras import installed_program
 __all__ = ["FILES", "OLDEST", "VERSION", "PyodideError", "pyodide_folder"]
 
 VERSION = "314.0.7"
-"""What is fetched where no folder is named."""
+"""The archive that is fetched where no folder is named."""
 
 OLDEST = (314, 0)
 """Its Python lends the memory of arrays that are written in Python, and can be stopped half-way."""
@@ -30,7 +30,7 @@ OLDEST = (314, 0)
 FILES = (
     "pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json",
 )  # fmt: skip
-"""What a playground takes of it."""
+"""The files of it in a playground."""
 
 PATIENCE = 600.0
 """Seconds that npm may take."""

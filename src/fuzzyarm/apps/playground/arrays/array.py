@@ -1,6 +1,6 @@
 """Arrays: elements in a stretch of memory, seen through a shape and steps.
 
-A view shares the memory of what it is taken from, as in NumPy; kernels of machine code are given
+A view shares the memory of its array, as in NumPy; kernels of machine code are given
 it by the protocol of buffers. What goes over elements is a loop of Python over lists.
 """
 
@@ -65,7 +65,7 @@ def _steps(shape: Shape) -> Shape:
 
 
 class _Flags:
-    """What NumPy says of the memory of an array."""
+    """The memory layout of an array, as in NumPy."""
 
     def __init__(self, contiguous: bool) -> None:
         self.c_contiguous = contiguous
@@ -145,7 +145,7 @@ class ndarray:
 
     @property
     def flags(self) -> _Flags:
-        """What is said of its memory."""
+        """Its memory layout."""
         return _Flags(self._is_even)
 
     @property

@@ -29,7 +29,7 @@ class MissingNumPyError(FuzzyarmError, AttributeError):
 
 
 class _Any:
-    """What an annotation names: it is never looked at."""
+    """A name for annotations, never read."""
 
     def __class_getitem__(cls, _of: Any) -> type:
         return cls

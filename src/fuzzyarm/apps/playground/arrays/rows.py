@@ -1,4 +1,4 @@
-"""What is done with the rows along an axis: each makes a row of results, or one."""
+"""Operations on the rows along an axis: each makes a row of results, or one."""
 
 from __future__ import annotations
 
