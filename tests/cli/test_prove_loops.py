@@ -283,6 +283,13 @@ def test_names_in_a_certificate_count_from_its_folder(capsys, tmp_path, monkeypa
         Path(name).rename(f"moved/{name}")
     Path("c.json").rename("moved/proofs/c.json")
     assert main(["prove", "--check", "moved/proofs/c.json", "--trust"]) == 0
+    # A plant that is elsewhere is named, and is the one that was proved or refused.
+    Path("elsewhere/lag.py").write_text(LAG)
+    found = ["prove", "--check", "moved/proofs/c.json", "--plant", "elsewhere/lag.py"]
+    assert main(found) == 0
+    Path("elsewhere/lag.py").write_text(LAG.replace("- x[0]", "- 2.0 * x[0]"))
+    assert main(found) == 1
+    assert "is not the plant that was proved" in capsys.readouterr().err
     # A file of the same name in the working folder is not looked at.
     Path("elsewhere/c.frb").write_text(ON_LAG.replace("10 ms", "20 ms"))
     Path("moved/loops/c.frb").unlink()

@@ -3,6 +3,7 @@
 import copy
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from budget import cases
 from scipy.optimize import minimize
 
 import fuzzyarm
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.control.loop.course import Options, Sensor
 from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.plant import Plant, Port
@@ -294,3 +296,74 @@ def test_once_time_is_over_no_box_is_followed_alone(monkeypatch):
     assert batches == [64, 64]
     assert not found.complete
     assert len(found.open) == 128
+
+
+JUMPING = """
+import math
+from fuzzyarm.plant import Plant, Port
+from fuzzyarm.symbolic import op
+
+
+class Jumping(Plant):
+    inputs = {"u": Port("V", -4.0, 4.0)}
+    outputs = {"x": Port("m", -50.0, 50.0)}
+    states = {"x": "m"}
+
+    def derivative(self, t, x, u, p):
+        return [RATE]
+"""
+
+
+def run_of_rate(rate: str, x: float) -> list[float]:
+    """Follow x' = rate for a second by small steps, u = limit(-1.5 x) held for 50 ms."""
+    code = compile(rate, "rate", "eval")
+    names = {"math": math, "op": SimpleNamespace(where=lambda yes, a, b: a if yes else b)}
+    course = [x]
+    for k in range(20_000):
+        if k % 1000 == 0:
+            u = min(max(-1.5 * x, -3.0), 3.0)
+        x += 5e-5 * float(eval(code, {**names, "x": [x], "u": [u]}))
+        course.append(x)
+    return course
+
+
+@pytest.mark.parametrize(
+    ("rate", "start"),
+    [
+        ("5.0 * (x[0] > 0.1) + 0.0 * u[0]", 0.3),
+        ("-x[0] + u[0] + 5.0 * (x[0] > 0.1)", 0.4),
+        ("-x[0] + u[0] + 5.0 * (x[0] >= 0.1)", 0.4),
+        ("-x[0] + u[0] + math.floor(10.0 * x[0])", 0.4),
+        ("-x[0] + u[0] + math.ceil(10.0 * x[0])", 0.4),
+        ("-x[0] + math.trunc(10.0 * u[0] + 0.5) / 10.0", 0.3),
+        ("-x[0] + u[0] + 5.0 * ((x[0] > 0.1) & (x[0] < 9.0))", 0.4),
+        ("-x[0] + u[0] + op.where(x[0] > 0.1, 5.0, 0.0)", 0.4),
+        ("-x[0] + u[0] + op.where(u[0] < -0.3, 5.0, x[0])", 0.4),
+        ("-x[0] + u[0] + 5.0 * (u[0] < -0.3)", 0.4),
+        ("1.0 * (x[0] > 0.1)", 0.3),
+    ],
+)
+def test_what_a_plant_that_jumps_does_is_not_that_of_the_origin(tmp_path, rate, start):
+    """Slopes do not see a jump: between two of them a rate looks linear."""
+    (tmp_path / "jumping.py").write_text(JUMPING.replace("RATE", rate))
+    (tmp_path / "c.frb").write_text(
+        "controller c\nperiod 50 ms\naxis s\n  e = error of x\n"
+        "  drive u = e * 1.5, within -3 .. 3\n"
+    )
+    course = run_of_rate(rate, start)
+    low, high = min(course), max(course)
+    problem = loop_problem(
+        fuzzyarm.load_controller(str(tmp_path / "c.frb")),
+        find_plant(str(tmp_path / "jumping.py")),
+        start={"x": (start, start)},
+    )
+    demand = Demand("x", low + 0.02 * (high - low), high - 0.02 * (high - low), 0.0, 1.0)
+    try:
+        found = tube(problem, 1.0, demands=[demand], budget=5.0)
+    except FuzzyarmError:
+        return  # refused by name
+    assert found.open or not found.complete
+    if found.complete:
+        reached = found.bounds("x", 0.0, 1.0)
+        assert reached[0] <= low + 1e-3
+        assert reached[1] >= high - 1e-3

@@ -114,7 +114,7 @@ EXIT_INPUT = 1
 
 ENDINGS = {
     EXIT_INPUT: "not accepted: the output above says why",
-    3: "a run diverged: its figures are those until then",
+    3: "a run diverged, or a loop is not stable: the output above says which",
     4: "not everything is decided: see the open statements above",
 }
 """Message for an exit status without one of the command's own."""

@@ -63,6 +63,14 @@ WAY: FormField = {
     "default": "rules",
 }
 """What a program computes from: ``--direct`` or ``--table`` of ``fuzzyarm compile``."""
+LOSSY: FormField = {
+    "name": "lossy",
+    "title": "Lossy",
+    "description": "write what the format can say, and report the differences",
+    "type": "boolean",
+    "default": False,
+}
+"""Whether losses are accepted, as ``fuzzyarm convert --lossy`` does."""
 IN_PAGE = sys.platform == "emscripten"
 OF_MACHINE = frozenset({".fmu", NETWORK, ".npz", *PICTURES})
 """Made by a C compiler, NumPy, Matplotlib or onnx: a page with its own Python does not offer it."""
@@ -137,9 +145,10 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
         kind = "rules" if session.reading.parsed.controller is None else "controller"
     return {
         suffix: [
-            *([WAY] if suffix in EXPORTS and kind != "table" else []),
+            *([WAY] if suffix in EXPORTS and suffix != NETWORK and kind != "table" else []),
             *export_form(suffix, kind).fields(),
             *([PART] if suffix in PICTURES and kind == "rules" else []),
+            *([LOSSY] if suffix in FOREIGN else []),
         ]
         for suffix in kinds_of(session)
     }
@@ -221,7 +230,7 @@ def _sheet(
         files, lines = _table(model, out, how, progress)
         return files, lines, isinstance(model, RuleBase)
     assert isinstance(model, RuleBase)
-    return *_conversion(session, model, out), False
+    return *_conversion(session, model, out, lossy=options.get("lossy") is True), False
 
 
 def _table(
@@ -245,9 +254,12 @@ def _picture(model: Sheet, suffix: str, how: Making, options: FormValues) -> byt
         return figure_bytes(model_figure(model, what, how.output), suffix)
 
 
-def _conversion(session: Session, model: RuleBase, out: str) -> tuple[list[Offered], list[str]]:
-    exported = converted(model, session.path, Path(out).suffix, session.text)
+def _conversion(
+    session: Session, model: RuleBase, out: str, *, lossy: bool
+) -> tuple[list[Offered], list[str]]:
+    exported = converted(model, session.path, Path(out).suffix, session.text, lossy=lossy)
     diagnostics = findings_of(Imported(model, (), "fuzzyarm"), exported, session.path)
+    diagnostics.sort(key=lambda diagnostic: not diagnostic.is_error)  # what refuses comes first
     lines = [in_words(RuleBaseError([diagnostic])) for diagnostic in diagnostics]
     if exported.text is None:
         raise ExportRefusedError("; ".join(lines))

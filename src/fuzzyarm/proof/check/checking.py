@@ -20,7 +20,7 @@ from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.plant.own import trusted_plant
+from fuzzyarm.plant.own import PLANTS, trusted_plant
 from fuzzyarm.plant.plant import Plant, parameter, with_actuators
 from fuzzyarm.proof.check.certificate import (
     Certificate,
@@ -196,7 +196,7 @@ def check_certificate(
     plant : Plant, optional
         In place of the one that the claim names.
     named : str, optional
-        A plant whose code may run, where the claim names the same one.
+        A plant whose code may run, in place of a file that the claim names.
     trust : bool, optional
         Whether the plant of the claim may be code, which is run.
     budget : float
@@ -216,6 +216,8 @@ def check_certificate(
     _require_files(certificate, text)
     # The plant is compared with that of its name, as it is from the working folder.
     claim = replace(certificate.claim, plant=certificate.place(certificate.claim.plant))
+    if named is not None and claim.plant not in PLANTS:  # a file that is elsewhere
+        claim = replace(claim, plant=named)
     plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
     plant = with_actuators(plant, {}, certificate.delays) if certificate.delays else plant
     statement = loop_sentence(

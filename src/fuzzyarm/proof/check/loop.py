@@ -69,7 +69,10 @@ from fuzzyarm.symbolic.nodes import Apply, postorder, symbols
 
 __all__ = ["CheckedLoop", "System", "checked_loop"]
 
-JUMPS = ("floor", "ceil", "round", "remainder", "sign", "where")
+JUMPS = (
+    "floor", "ceil", "round", "truncate", "remainder", "sign", "where",
+    "less", "less_equal", "equal", "both", "either", "negation",
+)  # fmt: skip
 """Operations that may jump, which the equations of a plant must not have."""
 
 

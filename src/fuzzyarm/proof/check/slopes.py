@@ -171,6 +171,8 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 
 def applied(operation: str, arguments: Sequence[Slope]) -> Any:
     """Return an operation of values with slopes; of a comparison a bool."""
+    if any(isinstance(x, bool) for x in arguments):
+        raise SpanError("a condition taken for a number")
     if operation in FUNCTIONS:
         return _function(operation, arguments[0])
     if operation == "power" and isinstance(arguments[1].value, fmpq) and not arguments[1].along:
@@ -204,6 +206,8 @@ def slopes_of(roots: Sequence[Node], values: Mapping[str, Slope]) -> list[Slope]
                 results[node] = a.scaled(square(a.value), a.value * 2)
             else:
                 results[node] = applied(node.operation, arguments)
+    if any(isinstance(results[root], bool) for root in roots):
+        raise SpanError("a condition taken for a number")
     return [results[root] for root in roots]
 
 

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
-from fuzzyarm.proof.claim.problem import LoopProblem, LostRunError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.proof.loop.flow import Flow, Step
 from fuzzyarm.proof.loop.linear_flow import linear_flow
 from fuzzyarm.proof.loop.period import LoopPeriod
 from fuzzyarm.proof.loop.planes import RulePlanes
-from fuzzyarm.proof.loop.readings import read, readable
+from fuzzyarm.proof.loop.readings import may_jump, read, readable, takes_condition
 from fuzzyarm.proof.loop.zonotope import Forms, stacked
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import gradient, specialise
@@ -221,6 +221,11 @@ class Follower:
         numbers = {symbol: value.low for symbol, (_, value) in points.items()}
         self.parameters = list(moving)
         rates = [replace(root, numbers) for root in equations.rates]
+        if any(map(takes_condition, (*rates, *equations.outputs))):
+            raise LoopProofError(
+                f"the equations of {problem.plant.name} take a condition for a number",
+                hint="op.where(condition, 1, 0) is one",
+            )
         self.flow = linear_flow(rates, equations.inputs) or Flow(rates)
         self.outputs = [readable(replace(root, numbers)) for root in equations.outputs]
         self.weights = [_affine_weights(root, self.flow.states) for root in self.outputs]
@@ -535,6 +540,8 @@ def _with_own_symbols(forms: Forms) -> Forms:
 def _affine_weights(root: Node, states: Sequence[str]) -> list[float] | None:
     """Return how an expression grows with the states; None where that is not constant."""
     slopes = [specialise(node, {}) for node in gradient(root, tuple(states))]
+    if may_jump(root):
+        return None
     if not all(isinstance(slope, Constant) for slope in slopes) or "t" in symbols(root):
         return None
     return [slope.value for slope in slopes if isinstance(slope, Constant)]

@@ -17,6 +17,7 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, square_root
 from fuzzyarm.proof.loop.zonotope import FUNCTIONS, Forms, aligned, larger, smaller
+from fuzzyarm.proof.map.laws import JUMPS
 from fuzzyarm.symbolic.evaluation import specialise
 from fuzzyarm.symbolic.nodes import (
     Apply,
@@ -27,6 +28,7 @@ from fuzzyarm.symbolic.nodes import (
     constant,
     postorder,
     replace,
+    symbols,
 )
 
 __all__ = [
@@ -36,9 +38,11 @@ __all__ = [
     "as_forms",
     "choice_of",
     "is_less_equal",
+    "may_jump",
     "pruned",
     "read",
     "readable",
+    "takes_condition",
 ]
 
 
@@ -59,6 +63,27 @@ def readable(root: Node) -> Node:
         arguments = tuple(nodes[argument] for argument in node.arguments)
         nodes[node] = _rewritten(node.operation, arguments)
     return nodes[root]
+
+
+def may_jump(root: Node) -> bool:
+    """Whether an expression has a choice, condition or step on symbols, which slopes do not see."""
+    return any(
+        isinstance(node, Apply) and node.operation in JUMPS and bool(symbols(node))
+        for node in postorder(root)
+    )
+
+
+def takes_condition(root: Node) -> bool:
+    """Whether an open condition is taken for a number, as in ``5 * (x > 0.1)``."""
+
+    def is_condition(node: Node) -> bool:
+        return isinstance(node, Apply) and node.operation in CONDITIONS and bool(symbols(node))
+
+    return is_condition(root) or any(
+        any(map(is_condition, node.arguments[node.operation == "where" :]))
+        for node in postorder(root)
+        if isinstance(node, Apply) and node.operation not in CONDITIONS
+    )
 
 
 def pruned(root: Node, numbers: Mapping[str, float]) -> Node:

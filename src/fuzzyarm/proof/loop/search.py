@@ -227,6 +227,8 @@ class _Search:
         """Yield proposals for one share: limits are not reached, then they are, more and more."""
         best = -math.inf
         for grip in (*self.grips, *(() if self.maker.fixed else GRIPS[1:])):
+            if self.stop.now:  # slopes of rules that are not pieces take long
+                return
             shape = self._shape(share, along, grip)
             if isinstance(shape, str):
                 yield shape
