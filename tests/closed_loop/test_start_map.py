@@ -311,6 +311,30 @@ def test_a_line_that_is_not_odd_makes_the_loop_not_odd(line: str, tmp_path: Path
 
 
 @pytest.mark.parametrize(
+    ("told", "odd"),
+    [
+        ("no-rule 0", True), ("no-rule error", True), ("no-rule 0.3", False),
+        ("no-rule hold", False), ("no-rule 0\nterm s Q: triangle 0.1 0.2 0.3", False),
+    ],
+)  # fmt: skip
+def test_rules_are_odd_where_none_fires_too(told: str, odd: bool, tmp_path: Path) -> None:
+    (tmp_path / "cliff.py").write_text(CLIFF)
+    path, plant = tmp_path / "c.frb", str(tmp_path / "cliff.py")
+    rule = "rule if s is Q then p is P\n" if " Q" in told else ""
+    path.write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of y\n  p = rules r(e)\n"
+        "  drive push = p\nrulebase r\ninput s -1 .. 1\noutput p -1 .. 1\n"
+        "term s N: triangle -1 -0.5 0\nterm s P: triangle 0 0.5 1\n"
+        "term p N: singleton -1\nterm p P: singleton 1\n"
+        "inference defuzzifier weighted-average, and min, outside clamp, "
+        f"{told}\nrule if s is N then p is N\nrule if s is P then p is P\n{rule}"
+    )
+    claim = read_claim("stable from y in -1 .. 1", plant)
+    problem = problem_of(fuzzyarm.load_controller(path), claim, plant=find_plant(plant))
+    assert is_odd(problem) == odd
+
+
+@pytest.mark.parametrize(
     ("plant", "start"), [("motor", {"position": 0.7, "velocity": -9.0}),
                          ("ball-and-beam", {"position": 0.12, "angle": -0.1})],
 )  # fmt: skip

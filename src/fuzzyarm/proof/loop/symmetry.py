@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
+from fractions import Fraction
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.language.model.rulebase import (
@@ -26,7 +27,7 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
-from fuzzyarm.symbolic.evaluation import specialise
+from fuzzyarm.proof.loop.readings import pruned
 from fuzzyarm.symbolic.kinds import SHAPES
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.table import LookupTable
@@ -35,8 +36,8 @@ __all__ = ["is_odd"]
 
 ODD, EVEN = "odd", "even"
 
-Parity = float | str
-"""A constant, or what it does when all is turned over."""
+Parity = Fraction | str
+"""A constant, exactly: rounding may make a 0 of it; or what it does when all is turned over."""
 
 ODD_FUNCTIONS = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh"})
 EVEN_FUNCTIONS = frozenset({"cos", "cosh", "absolute"})
@@ -48,7 +49,7 @@ class _NotOddError(Exception):
 
 def is_odd(problem: LoopProblem) -> bool:
     """Tell whether a loop is known to be odd, its starts outside of a window included."""
-    turned = all(-span.low in (span.high, math.inf) for span in problem.start.values())
+    turned = all(-span.low == span.high for span in problem.start.values())
     if not turned or any(problem.set_point.values()):
         return False
     try:
@@ -62,7 +63,7 @@ def _demand_odd(problem: LoopProblem) -> None:
     equations, interface = problem.equations, problem.site.interface
     values: dict[str, Parity] = dict.fromkeys((*equations.states, *equations.inputs), ODD)
     values |= dict.fromkeys(equations.parameters, EVEN)
-    values |= problem.constants
+    values |= {name: _constant(x) for name, x in problem.constants.items()}
     algebra = _Parities()
     rates = [algebra.expression(root, values) for root in equations.rates]
     outputs = [algebra.expression(root, values) for root in equations.outputs]
@@ -78,7 +79,7 @@ def _demand_odd(problem: LoopProblem) -> None:
 
 
 def _demand(x: Parity) -> None:
-    if x not in (ODD, 0.0):
+    if x not in (ODD, 0):
         raise _NotOddError
 
 
@@ -87,40 +88,40 @@ class _Parities(LoopAlgebra[Parity]):
 
     def number(self, value: float) -> Parity:
         """Return a number of the file."""
-        return float(value)
+        return _constant(value)
 
     def add(self, a: Parity, b: Parity) -> Parity:
         """Return a sum of what is of one kind."""
-        if isinstance(a, float) and isinstance(b, float):
+        if isinstance(a, Fraction) and isinstance(b, Fraction):
             return a + b
-        if 0.0 in (a, b):
-            return b if a == 0.0 else a
+        if 0 in (a, b):
+            return b if a == 0 else a
         if _kind(a) != _kind(b):
             raise _NotOddError
         return _kind(a)
 
     def subtract(self, a: Parity, b: Parity) -> Parity:
         """Return a difference."""
-        return self.add(a, -b if isinstance(b, float) else b)
+        return self.add(a, -b if isinstance(b, Fraction) else b)
 
     def multiply(self, a: Parity, b: Parity) -> Parity:
         """Return a product."""
-        if isinstance(a, float) and isinstance(b, float):
+        if isinstance(a, Fraction) and isinstance(b, Fraction):
             return a * b
-        if 0.0 in (a, b):
-            return 0.0
+        if 0 in (a, b):
+            return Fraction(0)
         return EVEN if _kind(a) == _kind(b) else ODD
 
     def divide(self, a: Parity, b: Parity) -> Parity:
         """Return a quotient."""
-        if isinstance(a, float) and isinstance(b, float) and b:
+        if isinstance(a, Fraction) and isinstance(b, Fraction) and b:
             return a / b
         return self.multiply(a, ODD if b == ODD else EVEN)
 
     def limit(self, x: Parity, low: float, high: float) -> Parity:
         """Return ``min(max(x, low), high)``."""
-        if isinstance(x, float):
-            return min(max(x, low), high)
+        if isinstance(x, Fraction):
+            return _constant(min(max(float(x), low), high)) if not low <= x <= high else x
         if x == ODD and low != -high:
             raise _NotOddError
         return x
@@ -131,12 +132,13 @@ class _Parities(LoopAlgebra[Parity]):
 
     def expression(self, root: Node, values: Mapping[str, Parity]) -> Parity:
         """Return the kind of an expression."""
-        constants = {name: x for name, x in values.items() if isinstance(x, float)}
-        root = specialise(root, constants)
+        # Branches that numbers rule out are gone; the numbers themselves are counted exactly.
+        constants = {n: float(x) for n, x in values.items() if isinstance(x, Fraction)}
+        root = pruned(root, constants)
         found: dict[Node, Parity] = {}
         for node in postorder(root):
             if isinstance(node, Constant):
-                found[node] = node.value
+                found[node] = _constant(node.value)
             elif isinstance(node, Symbol):
                 found[node] = values[node.name]
             else:
@@ -149,12 +151,12 @@ class _Parities(LoopAlgebra[Parity]):
             found: Parity = getattr(self, operation)(*of)
             return found
         if operation == "negative":
-            return self.subtract(0.0, of[0])
-        if operation in ODD_FUNCTIONS and of[0] in (ODD, 0.0):
+            return self.subtract(Fraction(0), of[0])
+        if operation in ODD_FUNCTIONS and of[0] in (ODD, 0):
             return of[0]
         if operation in EVEN_FUNCTIONS or all(_kind(x) == EVEN for x in of):
             return EVEN
-        if operation == "power" and isinstance(of[1], float) and of[1].is_integer():
+        if operation == "power" and isinstance(of[1], Fraction) and of[1].denominator == 1:
             return EVEN if of[1] % 2 == 0 else _kind(of[0])
         raise _NotOddError
 
@@ -176,7 +178,13 @@ class _Parities(LoopAlgebra[Parity]):
 
 
 def _kind(x: Parity) -> str:
-    return EVEN if isinstance(x, float) else x
+    return EVEN if isinstance(x, Fraction) else x
+
+
+def _constant(value: float | Fraction) -> Fraction:
+    if not math.isfinite(value):
+        raise _NotOddError
+    return Fraction(value)
 
 
 # ── rule bases ───────────────────────────────────────────────────────────────────────
@@ -200,7 +208,8 @@ def _turns(sheet: RuleBase) -> bool:
 def _is_plain(output: Output) -> bool:
     way = output.defuzzifier.record
     plain = way.figure in ("centroid", "average", "weighted") and not (way.inverts or way.both)
-    return plain and output.defuzzifier.resolution is None
+    silent = output.no_rule in ("error", 0.0)  # a number, or the last value, is on one side
+    return plain and silent and output.defuzzifier.resolution is None
 
 
 def _opposites(variable: Variable) -> dict[str, str]:
