@@ -51,7 +51,7 @@ def test_what_nothing_has_is_refused(words, sentence, capsys):
         (["--set", "J=nan"], "--set J=nan: 'nan' is not a number"),
         (["--set", "J"], "--set takes NAME=NUMBER, not 'J'"),
         (["--set", "J=1..3"], "--sweep NAME=LOW..HIGH:COUNT"),
-        (["--for", "-5s"], "--for takes a time with a unit (us, ms, s, min, h), not '-5s'"),
+        (["--for", "-5s"], "--for is not negative, as '-5s' is"),
         (["--noise", "position=-1"], "--noise position=-1 is out of range"),
         (["--noise", "position=nan"], "--noise takes a number, not 'nan'"),
         (["--noise", "position=1", "--noise", "position=2"], "--noise names 'position' twice"),

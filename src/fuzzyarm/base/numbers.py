@@ -134,9 +134,11 @@ def read_time(text: str, option: str) -> float:
             raise ValueError
         times, divisor = TIMES[match[2]]
         value = float(match[1]) * times / divisor
-        if not (math.isfinite(value) and value >= 0):
+        if not math.isfinite(value):
             raise ValueError
     except ValueError:
         units = ", ".join(TIMES)
         raise UsageError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
+    if value < 0.0:
+        raise UsageError(f"{option} is not negative, as '{text}' is")
     return value

@@ -205,6 +205,8 @@ def _require_times(claim: LoopClaim) -> None:
     begin, end = number_text(claim.begin), number_text(claim.end)
     if claim.when == "always" and _times(claim):
         raise ClaimError(f"a claim that holds always has no times, such as {begin} .. {end} s")
+    if claim.when == "after" and claim.begin < 0.0:
+        raise ClaimError(f"'after {begin} s' is no time of a run: it begins at 0 s")
     if claim.when == "after" and not (0.0 <= claim.begin < math.inf and math.isinf(claim.end)):
         raise ClaimError(f"'after {begin} s' and an end at {end} s are no claim for all time")
     if claim.when == "during" and not (0.0 <= claim.begin <= claim.end < math.inf and claim.end):
