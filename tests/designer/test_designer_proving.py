@@ -127,13 +127,17 @@ def test_a_certificate_is_offered_and_proves_what_it_says(page, monkeypatch, cap
     monkeypatch.setattr(
         Downloads, "offer", lambda self, name, content: kept.setdefault(name, content) and name
     )
-    heard = page.do("prove", "servo.frb", claim="stable on motor", certificate=True)
-    (news,) = verdicts(heard)
-    assert [file["name"] for file in news["files"]] == ["servo.json"]
-    path = page.folder / "servo.json"
-    path.write_bytes(kept["servo.json"])
-    assert main(["prove", "--check", str(path), str(page.folder / "servo.frb")]) == 0
-    assert "proved" in capsys.readouterr().out
+    asked = {"map": True, "over": "position in -0.1 .. 0.1, velocity in -1 .. 1"}
+    # Without a plant it is the usual one.
+    for more in ({"claim": "stable"}, {"claim": "stable on motor"}, asked):
+        kept.clear()
+        news = verdicts(page.do("prove", "servo.frb", certificate=True, **more))[-1]
+        assert [file["name"] for file in news["files"]] == ["servo.json"]
+        path = page.folder / "servo.json"
+        path.write_bytes(kept["servo.json"])
+        assert str(page.folder) not in path.read_text()
+        assert main(["prove", "--check", str(path)]) == 0
+        assert "proved" in capsys.readouterr().out
 
 
 @pytest.mark.slow

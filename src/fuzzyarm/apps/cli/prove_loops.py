@@ -169,17 +169,19 @@ def _certify(
     tell: Callable[[str, int, float], None],
 ) -> int:
     """Write the certificate of a proof; return the exit status."""
+    from fuzzyarm.proof.check.certificate import write_certificate
     from fuzzyarm.proof.loop import LoopProofError
-    from fuzzyarm.proof.loop.orders import certify
+    from fuzzyarm.proof.loop.orders import certificate_of
 
     out = request.certificate or ""
     try:
-        seal = certify(request, controller, verdict, out, tell)
+        found = certificate_of(request, controller, verdict, tell)
     except LoopProofError as error:
         tell("", 0, 0.0)
         say(f"{out}: not written: {error}", to_errors=True)
         return EXIT_UNDECIDED
     tell("", 0, 0.0)
+    seal = write_certificate(found, out)
     if not request.json:
         say(f"{out}: the certificate, {seal[:16]}")
     return 0

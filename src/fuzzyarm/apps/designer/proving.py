@@ -8,6 +8,8 @@ its loop, as a line would say it, all runs for a time, or the sectors of its dri
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +30,7 @@ from fuzzyarm.requests.prove import ProveRequest
 if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.language.model.claims import LoopClaim
+    from fuzzyarm.proof.check.certificate import Certificate
     from fuzzyarm.proof.loop import LoopVerdict, StartMap
     from fuzzyarm.proof.map import Verdict
 
@@ -201,7 +204,8 @@ class _LoopProof:
 
     def _with_plant(self) -> ProveRequest:
         """Return the request on the plant that it names, or that the controller has the axes of."""
-        if self.request.claim is not None or self.request.plant:
+        claim = self.request.claim
+        if self.request.plant or (claim is not None and re.search(r"\bon\b", claim)):
             return self.request
         return self.request.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
 
@@ -226,14 +230,16 @@ class _LoopProof:
 
     def _certificate(self, verdict: LoopVerdict) -> bytes:
         """Return the file that proves a verdict again."""
-        import tempfile
+        from fuzzyarm.proof.loop.orders import certificate_of
 
-        from fuzzyarm.proof.loop.orders import certify
+        found = certificate_of(self.request, self.text, verdict, _told(self.job))
+        return self._written(found)
 
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "certificate.json"
-            certify(self.request, self.text, verdict, str(path), _told(self.job))
-            return path.read_bytes()
+    def _written(self, certificate: Certificate) -> bytes:
+        """Return the file of a certificate, which is to be beside the controller."""
+        from fuzzyarm.proof.check.certificate import certificate_bytes
+
+        return certificate_bytes(replace(certificate, controller=Path(self.text.path).name), "")
 
     # --- Bounds ---
 
@@ -263,9 +269,15 @@ class _LoopProof:
         request = self._with_plant()
         self._require_plant(request.plant or "")
         with at_field("over"):
-            found = map_of(request, self.text, watch)
-        lines = [str(found), f"  {found.seconds:.1f} s"]
-        tell_result(self.job, lines, [map_chart(found)], verdict=found.verdict)
+            found = map_of(request, self.text, watch, certify=self.wants_certificate)
+        lines, files = [str(found), f"  {found.seconds:.1f} s"], {}
+        if self.wants_certificate:
+            if found.certificate is not None and found.certificate.tubes:
+                files = {f"{Path(self.text.path).stem}.json": self._written(found.certificate)}
+            else:
+                why = found.reason or "nothing of the window is proved"
+                lines.append(f"  no certificate: {why}")
+        tell_result(self.job, lines, [map_chart(found)], verdict=found.verdict, files=files)
 
     def _sectors(self) -> None:
         """Prove the static part: ranges, limits, gains and sectors of the drives."""

@@ -32,8 +32,8 @@ from fuzzyarm.proof.claim.text import require_sense
 
 __all__ = [
     "Certificate", "CertificateError", "Evidence", "Gains", "RegionProof", "TubeProof",
-    "delays_by_name", "fingerprints_of", "read_certificate", "sealed", "sensors_by_name",
-    "write_certificate",
+    "certificate_bytes", "delays_by_name", "fingerprints_of", "read_certificate", "sealed",
+    "sensors_by_name", "write_certificate",
 ]  # fmt: skip
 
 FORMAT = "fuzzyarm-proof 1"
@@ -341,9 +341,17 @@ def write_certificate(certificate: Certificate, path: str) -> str:
         The file, replaced as a whole.
     """
     data = certificate.moved_to(os.path.dirname(path)).as_data()
-    text = json.dumps(data, indent=1, ensure_ascii=False)
-    write_atomically(path, (text + "\n").encode())
+    write_atomically(path, _written(data))
     return str(data["seal"])
+
+
+def certificate_bytes(certificate: Certificate, folder: str) -> bytes:
+    """Return the file of a certificate that is to be in a folder."""
+    return _written(certificate.moved_to(folder).as_data())
+
+
+def _written(data: Mapping[str, Any]) -> bytes:
+    return (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode()
 
 
 def fingerprints_of(text: ControllerText) -> dict[str, str]:

@@ -23,7 +23,7 @@ from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.proof.check.certificate import write_certificate
+from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.check.checking import Checked, check_of
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
 from fuzzyarm.proof.loop.boxes import certify_tube
@@ -324,29 +324,27 @@ LEAST_SHARE = 0.25
 """Of the budget, that a certificate may take where the proof took nearly all of it."""
 
 
-def certify(
+def certificate_of(
     request: ProveRequest,
     controller: ControllerText,
     verdict: LoopVerdict,
-    path: str,
     tell: Tell = _unheard,
-) -> str:
-    """Write the certificate of what is proved, and return its seal; of a tube it is made first.
+) -> Certificate:
+    """Return the certificate of what is proved; of a tube it is made first.
 
     That takes as long as is left of the budget. LoopProofError where there is none.
     """
     if verdict.certificate is not None:
-        return write_certificate(verdict.certificate, path)
+        return verdict.certificate
     claim = verdict.claim
     assert claim is not None
     budget = request.budget or TUBE_BUDGET
-    tube = certify_tube(
+    return certify_tube(
         controller, claim, regions=() if verdict.haven is None else (verdict.haven,),
         budget=max(budget - verdict.work, LEAST_SHARE * budget),
         tell=lambda count, gap: tell(f"certificate of {verdict.statement}", count, gap),
         **setup_of(request, claim),
     )  # fmt: skip
-    return write_certificate(tube, path)
 
 
 def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
