@@ -444,6 +444,24 @@ def test_a_claim_has_its_verdict_at_its_line(served, window):
         page.locator(f".cm-line[data-verdict={verdict}]", has_text=f"prove {claim}").wait_for()
 
 
+def test_a_start_that_is_refused_takes_no_result_away(served, window):
+    text = shipped("pd7.frb").read_text() + "prove u in -6 .. 6\n"
+    page = window(put(served, "kept.frb", text)[1])
+    further(page, "Prove")
+    results = page.locator("#view-prove .verdict.proved")
+    page.locator("#view-prove button.main:enabled").click()
+    results.wait_for()
+    budget = page.get_by_label("Time at most", exact=False).first
+    budget.fill("-1")
+    page.locator("#view-prove button.main:enabled").click()
+    page.locator("#view-prove .wrong").first.wait_for()
+    assert results.count() == 1
+    budget.fill("")
+    page.locator("#view-prove button.main:enabled").click()
+    until(lambda: page.locator("#view-prove .wrong").count() == 0, "the field is right again")
+    until(lambda: results.count() == 1, "the results of this start alone")
+
+
 def test_a_fix_is_offered_where_there_is_one(served, window):
     page = window(put(served, "doubts.frb", DOUBTS.replace("HIHG", "HIGH"))[1])
     findings = page.locator(".findings li")

@@ -181,16 +181,21 @@ export class ResultWork extends Work {
   constructor(store, hand, kind) {
     super(store, hand, kind);
     this.results = el("div", { class: "verdicts" });
+    this.isOld = false;
     this.body.tabIndex = 0; // it scrolls
     this.body.append(this.results);
   }
 
   begin(further) {
-    this.results.replaceChildren();
+    this.isOld = true; // until new ones come: a refused start takes nothing away
     super.begin(further);
   }
 
   take(news) {
+    if (this.isOld && (news.doing || news.lines || (news.end && news.end !== "failed"))) {
+      this.results.replaceChildren();
+      this.isOld = false;
+    }
     if (news.doing) this.say(news.doing);
     if (!news.lines) return;
     this.results.querySelector(".so-far")?.remove();
