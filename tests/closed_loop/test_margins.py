@@ -14,7 +14,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.plant import Plant, Port, find_plant
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.proof.claim.problem import loop_problem
-from fuzzyarm.proof.loop import LoopProofError
+from fuzzyarm.proof.loop import LoopProofError, margins
 from fuzzyarm.proof.loop.linearised import linearised
 from fuzzyarm.proof.loop.margins import changed, drive_margins, late_radius, margins_of, rule_gains
 
@@ -299,3 +299,54 @@ def test_a_rest_with_small_memory_beside_large_states_is_found(warm):
     loop = linearised(loop_problem(heater, room, set_point={"temperature": warm}))
     found = margins_of(loop.opened(loop.drives[0]))
     assert found.gain == pytest.approx(1438.0, rel=1e-3)
+
+
+QUAD = """
+from fuzzyarm.plant import Plant, Port
+
+
+class Quad(Plant):
+    inputs = {"thrust": Port("N", 0.0, 25.0)}
+    outputs = {
+        "height": Port("m", -1.0, 20.0),
+        "climb": Port("m/s", -8.0, 8.0, rate_of="height"),
+    }
+    states = {"height": "m", "climb": "m/s", "force": "N"}
+    parameters = {"m": 1.3}
+
+    def derivative(self, t, x, u, p):
+        return [x[1], x[2] / p[0] - 9.81, (u[0] - x[2]) / 0.05]
+"""
+HOVER = """controller hover
+period 10 ms
+use climb from "climb.frb"
+axis lift
+  dh = error of height
+  e = dh * 0.5
+  ce = error of climb * 0.4
+  push = rules climb(e, ce)
+  int = integral of dh, within -8 .. 8, anti-windup hold
+  drive thrust = 11.772 + push * 10 + int * 0.5, within 0 .. 25
+"""
+CLIMB = r"""rulebase climb
+input e -1 .. 1
+input ce -1 .. 1
+output u -1 .. 1
+terms e, ce: triangles N Z P
+terms u: triangles NB NS ZE PS PB
+inference aggregation max, defuzzifier centroid exact, outside clamp
+rules u
+  e \ ce  N   Z   P
+  N       NB  NS  ZE
+  Z       NS  ZE  PS
+  P       ZE  PS  PB
+"""
+
+
+def test_an_integral_holds_what_the_feed_forward_lacks(tmp_path):
+    """In the middle of the sensor's range the rules are flat, and Newton's method goes astray."""
+    for name, text in (("quad.py", QUAD), ("hover.frb", HOVER), ("climb.frb", CLIMB)):
+        (tmp_path / name).write_text(text)
+    found = margins(str(tmp_path / "hover.frb"), str(tmp_path / "quad.py"))
+    (drive,) = found.values()
+    assert drive.nominal.stable

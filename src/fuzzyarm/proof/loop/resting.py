@@ -66,7 +66,17 @@ def rest_in_floats(
     def motion(y: Vector) -> Vector:
         return np.array(_motion(problem, period, memory, dict(zip(names, y.tolist(), strict=True))))
 
-    y = np.array([*_guess(problem), *(0.0 for _ in memory)])
+    still = [0.0] * len(memory)
+    # From the middle of a wide range rules may be flat: then from the set points alone.
+    for middles in (True, False):
+        y = _root(motion, np.array([*_guess(problem, middles), *still]), len(problem.states))
+        if y is not None:
+            return dict(zip(names, y.tolist(), strict=True))
+    raise LoopProofError("no rest of the loop was found")
+
+
+def _root(motion: Callable[[Vector], Vector], y: Vector, states: int) -> Vector | None:
+    """Return where nothing moves, by Newton's method from a guess; None where it does not end."""
     scale = np.maximum(np.abs(y), 1.0)
     last = math.inf
     for _ in range(STEPS):
@@ -81,26 +91,24 @@ def rest_in_floats(
         if not np.isfinite(step).all():
             break
         # Not more than half of a way that a root or a limit may end.
-        first = np.abs(step[: len(problem.states)]) / np.maximum(
-            np.abs(y[: len(problem.states)]), 0.01
-        )
+        first = np.abs(step[:states]) / np.maximum(np.abs(y[:states]), 0.01)
         y = y + step * min(1.0, 0.5 / max(float(first.max(initial=0.0)), 0.5))
         size = float(np.abs(step / np.maximum(np.abs(y), 1e-3)).max())
         # Roundings of what is large move what is small: then steps no longer become smaller.
         if size < 1e-12 or last <= size < 1e-9:
-            return dict(zip(names, y.tolist(), strict=True))
+            return y
         last = size
-    raise LoopProofError("no rest of the loop was found")
+    return None
 
 
-def _guess(problem: LoopProblem) -> list[float]:
-    """Return a guess of the states: the set point, or the middle of the sensor's range."""
+def _guess(problem: LoopProblem, middles: bool) -> list[float]:
+    """Return a guess of the states: the set point, else the middle of the sensor's range or 0."""
     interface = problem.site.interface
     guess = dict.fromkeys(problem.states, 0.0)
     for address, port in interface.outputs.items():
         if address[1] in guess:
             middle = 0.5 * (port.low + port.high)
-            guess[address[1]] = middle if math.isfinite(middle) else 0.0
+            guess[address[1]] = middle if middles and math.isfinite(middle) else 0.0
             set_point = problem.set_point.get(address, 0.0)
             if set_point:
                 guess[address[1]] = set_point
