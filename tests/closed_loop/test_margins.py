@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from fuzzyarm import load, shipped, simulate
 from fuzzyarm.apps.cli.main import main
@@ -16,9 +17,31 @@ from fuzzyarm.plant.own import starting_at
 from fuzzyarm.proof.claim.problem import loop_problem
 from fuzzyarm.proof.loop import LoopProofError, margins
 from fuzzyarm.proof.loop.linearised import linearised
-from fuzzyarm.proof.loop.margins import changed, drive_margins, late_radius, margins_of, rule_gains
+from fuzzyarm.proof.loop.margins import changed, drive_margins, margins_of, rule_gains
 
 H = 0.02
+
+
+def late_radius(loop, delay):
+    """Return the spectral radius of the closed loop whose actuator has a dead time, s."""
+    h, m, n = loop.period, len(loop.ahead), len(loop.a)
+    whole, part = divmod(loop.part + delay, h)
+    whole = int(whole)
+    # Over a period the plant sees the drive of `whole + 1` periods ago for `part`, then the next.
+    both = np.zeros((m + 1, m + 1))
+    both[:m] = loop.ahead
+    late = expm(both * (h - part))[:m, m]
+    early = expm(both * h)[:m, m] - late
+    size = n + whole + 1
+    drives = np.eye(size)[n - 1 :]  # of now, and of 1, 2 … periods ago
+    drives[0] = np.concatenate([-loop.c, np.zeros(whole + 1)])
+    a = np.zeros((size, size))
+    a[:n, :n] = loop.a
+    if loop.part:
+        a[:m, loop.before] = 0.0  # its own part of a period is one of the whole delay
+    a[:m] += np.outer(early, drives[whole + 1]) + np.outer(late, drives[whole])
+    a[n:] = drives[:-1]
+    return float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))
 
 
 def plant_of(a, b):

@@ -47,7 +47,6 @@ __all__ = [
     "WorstMargins",
     "changed",
     "drive_margins",
-    "late_radius",
     "margins",
     "margins_of",
     "margins_of_problem",
@@ -367,35 +366,38 @@ class _Response:
         # guess; steps of half a period up to the first that is unstable, then its limit between.
         low, step = 0.0, min(0.5 * h, 0.25 * guesses[0])
         high = low + step
-        while late_radius(self.loop, high) < 1.0:
+        while self._left(high) > 0.0:
             low, high = high, max(high + step, 0.9 * guesses[0])
             if high > LONGEST_DELAY * h:
                 return math.inf
-        return float(brentq(lambda t: late_radius(self.loop, t) - 1.0, low, high, xtol=1e-12 * h))
+        return float(brentq(self._left, low, high, xtol=1e-12 * h))
+
+    def _left(self, delay: float) -> float:
+        """Return the dead time to the limit of a loop that has this one already, s.
+
+        Whole periods of it turn L alone, so that they need no states.
+        """
+        whole, part = divmod(self.loop.part + delay, self.loop.period)
+        late = _Response(late_loop(self.loop, part))
+        lags = (late._lag(omega) / omega for omega in late.crossovers)
+        return min(lags, default=math.inf) - whole * self.loop.period
 
 
-def late_radius(loop: OpenLoop, delay: float) -> float:
-    """Return the spectral radius of the closed loop whose actuator has a dead time, s."""
+def late_loop(loop: OpenLoop, part: float) -> OpenLoop:
+    """Return a loop whose actuator has a dead time of a part of a period, s, and no other one."""
     from scipy.linalg import expm
 
     h, m, n = loop.period, len(loop.ahead), len(loop.a)
-    whole, part = divmod(loop.part + delay, h)
-    whole = int(whole)
-    # Over a period the plant sees the drive of `whole + 1` periods ago for `part`, then the next.
     both = np.zeros((m + 1, m + 1))
     both[:m] = loop.ahead
     late = expm(both * (h - part))[:m, m]
-    early = expm(both * h)[:m, m] - late
-    size = n + whole + 1
-    drives = np.eye(size)[n - 1 :]  # of now, and of 1, 2 … periods ago
-    drives[0] = np.concatenate([-loop.c, np.zeros(whole + 1)])
-    a = np.zeros((size, size))
+    a, b = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
     a[:n, :n] = loop.a
     if loop.part:
-        a[:m, loop.before] = 0.0  # its own part of a period is one of the whole delay
-    a[:m] += np.outer(early, drives[whole + 1]) + np.outer(late, drives[whole])
-    a[n:] = drives[:-1]
-    return float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))
+        a[:m, loop.before] = 0.0  # its own part of a period is in the new one
+    a[:m, n] = expm(both * h)[:m, m] - late  # the drive of the period before acts first
+    b[:m], b[n] = late, 1.0
+    return OpenLoop(a, b, np.append(loop.c, 0.0), loop.ahead, h)
 
 
 # --- all gains of the rules ---
