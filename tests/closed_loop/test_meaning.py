@@ -21,7 +21,7 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import PlantError, Port, with_parameters
 from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.claim.identity import loop_digests
-from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError, loop_problem
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, require_sense
 from fuzzyarm.proof.claim.time import claimed_periods
 from fuzzyarm.proof.loop import (
@@ -567,3 +567,12 @@ def test_a_delay_that_the_loop_would_round_is_refused(capsys):
     assert "undecided" in said
     assert "the delay of 'position' is 1.5 control periods" in said
     assert "2 of them are 0.002 s" in said
+
+
+def test_a_name_that_the_controller_lacks_is_connected_to_nothing() -> None:
+    text = load_controller(shipped("servo.frb"))
+    plant = find_plant("motor")
+    loop_problem(text, plant, connect={"position": "shaft.position"})
+    for name in ("positon", "shaft.speed"):
+        with pytest.raises(LoopProofError, match=f"nothing in servo is called '{name}'"):
+            loop_problem(text, plant, connect={name: "velocity"})

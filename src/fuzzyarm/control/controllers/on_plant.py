@@ -390,9 +390,11 @@ def require_for_laws(what: str, site: Site) -> None:
 def connectable(controller: Controller) -> set[str]:
     """Return the axes and ports of a controller as text that may be connected to a plant."""
     law = text_law_of(controller)
-    if law is None:
-        return set()
-    model = law.text.model
+    return set() if law is None else connectable_names(law.text.model)
+
+
+def connectable_names(model: ControllerModel) -> set[str]:
+    """Return the axes and ports of a text that may be connected to a plant."""
     ports = [port for kind in PORT_KINDS for port in ports_of(model, kind)]
     return {*model.axis_names, *(name for _, name in ports), *map(".".join, ports)}
 

@@ -20,7 +20,7 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.control.controllers.on_plant import Site, site_of
+from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.plant.actuators import is_whole, periods_of
@@ -233,6 +233,9 @@ def loop_problem(
             f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
     site.wiring(text.model)  # says which port is missing
+    for name in set(site.connect) - connectable_names(text.model):
+        # A sentence about the loop would say that it is joined.
+        raise LoopProofError(f"nothing in {text.model.name} is called '{name}', to be connected")
     delays = {name: sensor.delay for name, sensor in (sensors or {}).items()}
     if not inside:
         delays |= {name: port.dead_time for name, port in plant.inputs.items()}
