@@ -532,10 +532,16 @@ def test_a_certificate_does_not_run_code(certified):
     Path("lag.py").write_text(EVIL + Path("lag.py").read_text(encoding="utf-8"), encoding="utf-8")
     write = json.dumps(sealed(certified))
     Path("c.json").write_text(write, encoding="utf-8")
-    for words in ({}, {"named": "other.py"}, {"named": "motor"}):
+    for words in ({}, {"named": "motor"}):
         with pytest.raises(PlantError, match="is code, which does not run"):
             check_certificate("c.json", **words)
         assert not Path("ran").exists()
+    # A file that is named runs in its place, and is another plant.
+    other = Path("lag.py").read_text(encoding="utf-8").removeprefix(EVIL)
+    Path("other.py").write_text(other.replace("u[0]", "2.0 * u[0]"), encoding="utf-8")
+    with pytest.raises(CertificateError, match="is not the plant that was proved"):
+        check_certificate("c.json", named="other.py")
+    assert not Path("ran").exists()
     assert check_certificate("c.json", named="./lag.py").proved
     assert Path("ran").exists()
 

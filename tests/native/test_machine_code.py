@@ -321,7 +321,7 @@ def test_the_digest_is_of_the_c_and_not_of_the_text_it_is_printed_from(tmp_path)
 
     text, c = noted()
     assert c == machine().SOURCES
-    edit('"""Return the mean of what', '"""Give the mean of what')
+    edit('"""Return the mean from', '"""Give the mean from')
     other_text, same_c = noted()
     assert (other_text != text, same_c) == (True, c)
     edit("return centre + moment / total", "return centre - moment / total")

@@ -216,7 +216,7 @@ def check_certificate(
     _require_files(certificate, text)
     # The plant is compared with that of its name, as it is from the working folder.
     claim = replace(certificate.claim, plant=certificate.place(certificate.claim.plant))
-    if named is not None and claim.plant not in PLANTS:  # a file that is elsewhere
+    if named is not None and not {named, claim.plant} & set(PLANTS):  # a file that is elsewhere
         claim = replace(claim, plant=named)
     plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
     plant = with_actuators(plant, {}, certificate.delays) if certificate.delays else plant
