@@ -8,6 +8,7 @@ the matrix exponential, other plants by steps far below their fastest time const
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -223,6 +224,9 @@ def _crossing(one: tuple[float, float], other: tuple[float, float]) -> float | N
 # ── the controller ───────────────────────────────────────────────────────────────────
 
 
+OPERATORS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+
+
 @dataclass(frozen=True)
 class Line:
     """``name = kind of of, options * gain``; ``products`` and ``rules`` take several signals."""
@@ -233,23 +237,27 @@ class Line:
     gain: float = 1.0
     options: Mapping[str, object] = field(default_factory=dict)
 
+    def _of_several(self) -> str:
+        options, gain = self.options, f" * {self.gain!r}"
+        if self.kind == "sum":
+            terms = [
+                f"{'-' if s < 0 else '+'} {name} * {abs(s)!r}"
+                for s, name in zip(options["signs"], self.of, strict=True)
+            ]
+            return " ".join(terms).removeprefix("+ ")
+        if self.kind == "product":
+            return " * ".join(self.of) + gain
+        if self.kind == "choice":
+            signal, less, number = options["where"]
+            return f"{self.of[0]} where {signal} {less} {number!r} else {self.of[1]}"
+        return f"rules {options['rules'].name}({', '.join(self.of)})" + gain
+
     @property
     def text(self) -> str:
         """As a file has it."""
         options = self.options
-        if self.kind == "sum":
-            signs = options["signs"]
-            terms = [
-                f"{'-' if s < 0 else '+'} {name} * {abs(s)!r}"
-                for s, name in zip(signs, self.of, strict=True)
-            ]
-            return f"{self.name} = {' '.join(terms).removeprefix('+ ')}"
-        if self.kind == "product":
-            return f"{self.name} = {' * '.join(self.of)} * {self.gain!r}"
-        if self.kind == "rules":
-            return (
-                f"{self.name} = rules {options['rules'].name}({', '.join(self.of)}) * {self.gain!r}"
-            )
+        if self.kind in ("sum", "product", "choice", "rules"):
+            return f"{self.name} = {self._of_several()}"
         words = (
             f"{self.kind} of {self.of[0]}" if self.kind != "measured" else f"measured {self.of[0]}"
         )
@@ -652,11 +660,10 @@ class Runner:
     ) -> Vector:
         loop, options = self.loop, line.options
         own = {port: loop.connect.get(port, port) for port in line.of}
-        if line.kind == "error":
+        if line.kind in ("error", "measured"):
             port = own[line.of[0]]
-            return (loop.set_point.get(port, 0.0) - seen[port]) * line.gain
-        if line.kind == "measured":
-            return seen[own[line.of[0]]] * line.gain
+            wanted = loop.set_point.get(port, 0.0)
+            return (wanted - seen[port] if line.kind == "error" else seen[port]) * line.gain
         x = signals[line.of[0]]
         if line.kind == "product":
             value = x
@@ -665,6 +672,10 @@ class Runner:
             return value * line.gain
         if line.kind == "sum":
             return sum(s * signals[n] for s, n in zip(options["signs"], line.of, strict=True))
+        if line.kind == "choice":
+            signal, less, number = options["where"]
+            chosen = OPERATORS[less](signals[signal], number)
+            return np.where(chosen, x, signals[line.of[1]])
         if line.kind == "rules":
             return options["rules"].values(*(signals[n] for n in line.of)) * line.gain
         return self._remembering(line, x, before, after, first) * line.gain

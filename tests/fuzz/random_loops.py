@@ -457,6 +457,12 @@ def _sources(draw: random.Random, plant: OwnPlant) -> tuple[list[Line], list[str
     elif extra < 0.34:  # filters in a row
         lines.append(Line("f", "lag", ("e",), 1.0, {"time": draw.choice([0.02, 0.2])}))
         lines.append(Line("q", "lag", ("f",), 1.0, {"time": 0.05}))
+    elif extra < 0.42:  # one law near, another one far away: with a jump between them
+        lines.append(Line("g", "sum", ("e",), 1.0, {"signs": (draw.choice([0.3, 0.9, 3.0]),)}))
+        where = ("e", draw.choice(["<", "<=", ">", ">="]), draw.choice([-0.1, 0.05, 0.3, 1.0]))
+        lines.append(
+            Line("q", "choice", draw.choice([("e", "g"), ("g", "e")]), 1.0, {"where": where})
+        )
     else:
         return lines, signals
     return lines, ["q", *signals[1:]]
