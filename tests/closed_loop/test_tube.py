@@ -341,6 +341,8 @@ def run_of_rate(rate: str, x: float) -> list[float]:
         ("-x[0] + u[0] + op.where(u[0] < -0.3, 5.0, x[0])", 0.4),
         ("-x[0] + u[0] + 5.0 * (u[0] < -0.3)", 0.4),
         ("1.0 * (x[0] > 0.1)", 0.3),
+        ("1.0 + math.fmod(x[0] + 5.0, 0.7) + 0.0 * u[0]", 0.3),
+        ("math.fmod(x[0] + 5.0, 0.7) - x[0] + u[0]", 0.9),
     ],
 )
 def test_what_a_plant_that_jumps_does_is_not_that_of_the_origin(tmp_path, rate, start):
@@ -367,3 +369,5 @@ def test_what_a_plant_that_jumps_does_is_not_that_of_the_origin(tmp_path, rate, 
         reached = found.bounds("x", 0.0, 1.0)
         assert reached[0] <= low + 1e-3
         assert reached[1] >= high - 1e-3
+        end = found.bounds("x", 1.0, 1.0)
+        assert end[0] - 1e-2 <= course[-1] <= end[1] + 1e-2

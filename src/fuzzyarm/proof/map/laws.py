@@ -229,9 +229,12 @@ def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
 
 
 JUMPS = frozenset(
-    {"where", *(name for name, operation in OPERATIONS.items() if operation.partials is None)}
+    {
+        *("where", "remainder", "atan2"),
+        *(name for name, operation in OPERATIONS.items() if operation.partials is None),
+    }
 )
-"""Operations that may jump: choices, conditions and steps."""
+"""Operations that may jump: choices, conditions and steps; slopes of some do not show it."""
 
 
 def _slopes(root: Node, rest: Interval) -> Interval:
