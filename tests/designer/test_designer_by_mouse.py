@@ -172,7 +172,7 @@ def test_what_is_refused_is_said_where_it_was_asked_for(open_page):
     page.locator("dialog .error").get_by_text("there is a variable 'e' already").wait_for()
     page.locator("dialog [name=low]").fill("zero")
     page.keyboard.press("Enter")
-    page.locator("dialog .error").get_by_text("'zero' .. '6' is not a range").wait_for()
+    page.locator("dialog .error").get_by_text("'zero' .. '1' is not a range").wait_for()
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Column …").click()
     page.locator("dialog [name=name]").fill("ZE")
@@ -197,14 +197,8 @@ def test_what_is_refused_is_said_where_it_was_asked_for(open_page):
         value.press("Tab")
         assert (value.input_value(), wrong.all_inner_texts()) == (typed, [words])
         assert page.evaluate("[...designer.store.point]") == point
-    page.get_by_label("e", exact=True).press("ArrowRight")  # a slider moves the point
+    page.get_by_role("slider", name="e", exact=True).press("ArrowRight")  # moves the point
     until(lambda: wrong.count() == 0 and float(value.input_value()) == pytest.approx(1.23), "moved")
-    page.locator("circle[data-variable=e][data-term=ZE]").first.click()
-    corner = page.get_by_label("e ZE, a", exact=True)
-    corner.fill("much")
-    corner.press("Tab")
-    page.locator(".details .wrong").get_by_text("'much' is not a number").wait_for()
-    assert corner.input_value() == "much"
     assert text_of(page) == shipped("pd7.frb").read_text()
 
 
