@@ -57,7 +57,7 @@ def test_what_is_shown_by_default_is_the_request_by_default():
 def test_a_title_is_the_word_of_the_option():
     for form in FORMS.values():
         spelled = {field.json_name: field.spelling for field in fields_of(form.kind)}
-        for field in form_fields(form.kind):
+        for field in form_fields(form.kind, *spelled):
             assert field["option"] in ("", spelled[field["name"]])
             assert field["title"].lower() == spelled[field["name"]].strip("-").replace(
                 "-", " "

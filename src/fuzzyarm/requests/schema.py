@@ -33,7 +33,7 @@ def form_fields(kind: type[Request], *names: str) -> list[dict[str, Any]]:
     option is ``repeated`` or has a ``negatable`` form.
     """
     fields = {field.json_name: field for field in fields_of(kind)}
-    return [_form_field(fields[name]) for name in names or fields]
+    return [_form_field(fields[name]) for name in names]
 
 
 def _form_field(field: RequestField) -> dict[str, Any]:

@@ -57,10 +57,10 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
     if out is not None:
         from fuzzyarm.proof.check.certificate import write_certificate
 
-        if found.certificate is None or not found.certificate.tubes:
-            why = found.reason or "nothing of the window is proved"
+        if why := found.uncertified:
             say(f"{out}: not written: {why}", to_errors=True)
         else:
+            assert found.certificate is not None
             seal = write_certificate(found.certificate, out)
             if not request.json:
                 say(f"{out}: the certificate, {seal[:16]}")

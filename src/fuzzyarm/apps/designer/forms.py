@@ -73,8 +73,7 @@ class RequestForm(Generic[AnyRequest]):
     def fields(self, **defaults: Any) -> list[FormField]:
         """Return the fields for the page, some with another default than the command has."""
         fields = []
-        names = (*self.first, *self.more)
-        for field in form_fields(self.kind, *names) if names else ():
+        for field in form_fields(self.kind, *self.first, *self.more):
             name = field["name"]
             folded = {"group": self.title if name in self.more else ""}
             changed = {"default": defaults[name]} if name in defaults else {}

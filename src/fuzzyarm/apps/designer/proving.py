@@ -8,7 +8,6 @@ its loop, as a line would say it, all runs for a time, or the sectors of its dri
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -204,8 +203,7 @@ class _LoopProof:
 
     def _with_plant(self) -> ProveRequest:
         """Return the request on the plant that it names, or that the controller has the axes of."""
-        claim = self.request.claim
-        if self.request.plant or (claim is not None and re.search(r"\bon\b", claim)):
+        if self.request.plant:
             return self.request
         return self.request.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
 
@@ -272,11 +270,11 @@ class _LoopProof:
             found = map_of(request, self.text, watch, certify=self.wants_certificate)
         lines, files = [str(found), f"  {found.seconds:.1f} s"], {}
         if self.wants_certificate:
-            if found.certificate is not None and found.certificate.tubes:
-                files = {f"{Path(self.text.path).stem}.json": self._written(found.certificate)}
-            else:
-                why = found.reason or "nothing of the window is proved"
+            if why := found.uncertified:
                 lines.append(f"  no certificate: {why}")
+            else:
+                assert found.certificate is not None
+                files = {f"{Path(self.text.path).stem}.json": self._written(found.certificate)}
         tell_result(self.job, lines, [map_chart(found)], verdict=found.verdict, files=files)
 
     def _sectors(self) -> None:

@@ -139,6 +139,13 @@ class StartMap(Shown):
         return REFUTED if REFUTED in found else "undecided" if OPEN in found else PROVED
 
     @property
+    def uncertified(self) -> str:
+        """Why no certificate of boxes can be written; empty where one can."""
+        if self.certificate is not None and self.certificate.tubes:
+            return ""
+        return self.reason or "nothing of the window is proved"
+
+    @property
     def covered(self) -> float:
         """The share of drawn starts at rest in the end that begin in proved boxes; NaN: of none."""
         return self.settled_proved / self.settled if self.settled else math.nan
