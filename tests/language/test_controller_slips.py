@@ -6,7 +6,7 @@ from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.edit import apply_edits, fixes
-from fuzzyarm.language.model.controller import SOURCES
+from fuzzyarm.symbolic.sources import SOURCES
 
 PATH = str(shipped("servo.frb").with_name("tried.frb"))
 

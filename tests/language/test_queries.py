@@ -29,7 +29,7 @@ from fuzzyarm.language.edit import (
     symbols,
 )
 from fuzzyarm.language.edit.fixes import Edit
-from fuzzyarm.language.statements import GridNode
+from fuzzyarm.language.rules import GridNode
 
 HEAD = """\
 rulebase cart "a cart"

@@ -13,13 +13,13 @@ from needs import need
 
 from fuzzyarm.base.numbers import TIMES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS, SIGNAL
-from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.model.rulebase import SAMPLINGS
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import LOOKUP_ITEMS, STATEMENTS, WORDS
 from fuzzyarm.language.tokens import RESERVED
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.sources import SOURCES
 from fuzzyarm.table.header import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"

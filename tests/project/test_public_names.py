@@ -87,6 +87,26 @@ def test_packages_list_what_is_public():
     check_all(PACKAGES, lists_what_is_public)
 
 
+LISTED_FOR_OTHERS = {
+    "fuzzyarm.symbolic.records", "fuzzyarm.symbolic.defuzzifiers",  # kinds has all of their names
+    "fuzzyarm.apps.playground.arrays.kinds",  # the types of its numpy
+    "fuzzyarm.plant.adapters",  # a face for plants of other packages, which loads them
+}  # fmt: skip
+
+
+def lists_no_names(name):
+    module, room = (importlib.import_module(each) for each in (name, name.rpartition(".")[0]))
+    leaf = name.rpartition(".")[2]
+    public = leaf in getattr(room, "__all__", ()) and getattr(room, leaf) is module
+    assert public or not hasattr(module, "__all__")
+
+
+def test_private_modules_list_no_names():
+    modules = {each.name for each in pkgutil.walk_packages(fuzzyarm.__path__, "fuzzyarm.")}
+    private = {name for name in modules - {*PACKAGES} if not name.endswith("_kernels")}
+    check_all(sorted(private - LISTED_FOR_OTHERS), lists_no_names)
+
+
 def described(function):
     """Return the parameters that a docstring speaks of."""
     found = re.findall(r"(?m)^([*\w][*\w, ]*)(?: : |$)", inspect.getdoc(function))

@@ -32,11 +32,6 @@ if TYPE_CHECKING:
     from fuzzyarm.exchange.export.routine import Routine
     from fuzzyarm.table import LookupTable
 
-__all__ = [
-    "Making", "compiled", "controller_program", "infers", "making_of", "program_of", "routines_for",
-    "source_of",
-]  # fmt: skip
-
 _DEFAULTS = {
     **dict.fromkeys((".st", ".xml", ".scl"), "float32"),  # few PLCs have a double
     **dict.fromkeys((".fmu", *MODULES), "float64"),

@@ -8,8 +8,6 @@ from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity
 from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Learn, SignalLine
 from fuzzyarm.language.tokens import name_text
 
-__all__ = ["doubts_of_lines"]
-
 
 def doubts_of_lines(model: ControllerModel) -> Iterator[Diagnostic]:
     """Yield the doubts about a controller that need neither its files nor a plant."""

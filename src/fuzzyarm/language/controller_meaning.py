@@ -37,8 +37,6 @@ from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNod
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.symbolic.sources import MOST_PERIODS, Setting, whole_periods
 
-__all__ = ["elaborate_controller"]
-
 MAX_DELAY = 1000
 MAX_EVERY = 100_000
 

@@ -27,8 +27,6 @@ from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
 from fuzzyarm.language.tokens import name_text
 
-__all__ = ["ControllerNames"]
-
 Names = dict[str, Span]
 """Names of one sort, with the position of their first declaration."""
 

@@ -21,13 +21,10 @@ from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
 from fuzzyarm.language.model.controller import (
-    CHOICE,
-    SOURCES,
     Axes,
     Drive,
     GainModel,
     Learn,
-    OptionKind,
     Partner,
     SignalLine,
     Time,
@@ -80,14 +77,7 @@ from fuzzyarm.language.signals import (
 )
 from fuzzyarm.language.statements import CONTROLLER
 from fuzzyarm.language.tokens import Cursor, name_text
-
-__all__ = [
-    "CONTROLLER_STATEMENTS",
-    "CONTROLLER_WORDS",
-    "SIGNAL",
-    "PeriodNode",
-    "SetPointNode",
-]
+from fuzzyarm.symbolic.sources import CHOICE, SOURCES, OptionKind
 
 # --- Lines that become fields of the model, not records ---
 

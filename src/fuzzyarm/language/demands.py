@@ -26,16 +26,9 @@ from fuzzyarm.language.model.rulebase import (
     Property,
     Tuning,
 )
-from fuzzyarm.language.statements import (
-    ExpectNode,
-    LookupItem,
-    LookupNode,
-    OutcomeNode,
-    ProveNode,
-    TuneNode,
-)
+from fuzzyarm.language.statements import ExpectNode, LookupItem, LookupNode, OutcomeNode, ProveNode
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.language.tune import TuneItem
+from fuzzyarm.language.tune import TuneItem, TuneNode
 
 # --- `expect` lines ---
 

@@ -27,8 +27,6 @@ from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.signals import read_time, time_text
 from fuzzyarm.language.tokens import Cursor, name_text
 
-__all__ = ["LOOP_CLAIM_ROW", "LoopClaimNode", "StateStretch", "claim_node"]
-
 
 class StateStretch(NamedTuple):
     """``NAME in LOW .. HIGH``: a state, a parameter or an output of a plant."""

@@ -55,23 +55,22 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.rule_meaning import elaborate_grid, elaborate_rule, report_too_many
+from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.language.statements import (
     BlockNode,
     Broken,
     EvenTermsNode,
     ExpectNode,
-    GridNode,
     Heading,
     InferenceNode,
     LookupNode,
     ProveNode,
-    RuleNode,
     StatementNode,
     TermNode,
-    TuneNode,
     VariableNode,
 )
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.language.tune import TuneNode
 
 UNNAMED = "unnamed"
 

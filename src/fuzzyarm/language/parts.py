@@ -16,31 +16,6 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.language.phrases import NameKind, Occurrence, declared, of_variable
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 
-__all__ = [
-    "Break",
-    "Column",
-    "FixedText",
-    "Flag",
-    "Forgiving",
-    "IntervalPart",
-    "Keyword",
-    "Maybe",
-    "Name",
-    "Number",
-    "OneOf",
-    "OptionParts",
-    "Part",
-    "Phrase",
-    "Printed",
-    "Several",
-    "Suggest",
-    "Text",
-    "Values",
-    "VariableName",
-    "declares",
-    "refers",
-]
-
 Values = dict[str, Any]
 """Fields read so far, by name."""
 

@@ -15,20 +15,6 @@ from fuzzyarm.language.parts import Column, Part, Printed, Values, read_parts
 from fuzzyarm.language.phrases import Occurrence, aligned
 from fuzzyarm.language.tokens import Cursor, Fault, Trivia
 
-__all__ = [
-    "ROWS",
-    "ByHand",
-    "Inside",
-    "Lines",
-    "StatementKind",
-    "StatementRow",
-    "columns_of",
-    "lines_below",
-    "mentions",
-    "sentence",
-    "text_of",
-]
-
 # --- Nodes in nodes ---
 
 

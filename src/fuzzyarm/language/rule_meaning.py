@@ -24,11 +24,7 @@ from fuzzyarm.language.model.rulebase import (
     Rule,
 )
 from fuzzyarm.language.phrases import ExpressionNode, HedgedNode, HedgeNode, PropositionNode
-from fuzzyarm.language.statements import (
-    GridNode,
-    RowNode,
-    RuleNode,
-)
+from fuzzyarm.language.rules import GridNode, RowNode, RuleNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES
 

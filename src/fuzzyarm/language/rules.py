@@ -21,8 +21,6 @@ from fuzzyarm.language.phrases import (
 )
 from fuzzyarm.language.tokens import Cursor, Fault, Trivia, name_text
 
-__all__ = ["CellNode", "GridNode", "RowNode", "RuleNode"]
-
 WIDTH = 100
 """A rule longer than this is broken before ``then``."""
 

@@ -13,44 +13,10 @@ from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, span_of
 from fuzzyarm.base.numbers import TIMES, number_text
-from fuzzyarm.language.model.controller import (
-    CHOICE,
-    SOURCES,
-    Amount,
-    Chosen,
-    Condition,
-    Factor,
-    OptionKind,
-    Product,
-    Source,
-    Time,
-)
+from fuzzyarm.language.model.controller import Amount, Factor, Product, Source, Time
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
-from fuzzyarm.symbolic.sources import Setting
-
-__all__ = [
-    "amount_text",
-    "inputs_text",
-    "names_in_options",
-    "names_in_source",
-    "names_in_sum",
-    "number_or_name",
-    "of_sheet",
-    "of_signal",
-    "options_text",
-    "read_amount",
-    "read_body",
-    "read_inputs",
-    "read_number",
-    "read_options",
-    "read_signals",
-    "read_sum",
-    "read_time",
-    "source_text",
-    "sum_text",
-    "time_text",
-]
+from fuzzyarm.symbolic.sources import CHOICE, SOURCES, Chosen, Condition, OptionKind, Setting
 
 Body = tuple[Source | None, tuple[Product, ...]]
 """The definition of a signal, after ``=``."""

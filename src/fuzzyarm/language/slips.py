@@ -16,10 +16,10 @@ from fuzzyarm.base.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_li
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import HEADINGS, Document, parse_document
-from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.language.tokens import Token, tokenize_line
 from fuzzyarm.symbolic.kinds import SHAPES
+from fuzzyarm.symbolic.sources import SOURCES
 
 # --- Lines that can be rewritten ---
 

@@ -57,40 +57,12 @@ from fuzzyarm.language.phrases import (
 from fuzzyarm.language.rows import ByHand, Lines, StatementKind, StatementRow
 from fuzzyarm.language.rules import (
     WIDTH,
-    CellNode,
     GridNode,
-    RowNode,
     RuleNode,
     read_conclusion,
 )
 from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Trivia, name_text
 from fuzzyarm.language.tune import TUNE_ROW, TuneNode
-
-__all__ = [
-    "CONTROLLER",
-    "STATEMENTS",
-    "BlockNode",
-    "Broken",
-    "CellNode",
-    "ControllerHeading",
-    "EvenTermsNode",
-    "ExpectNode",
-    "GridNode",
-    "Heading",
-    "InferenceNode",
-    "LookupItem",
-    "LookupNode",
-    "OutcomeNode",
-    "ProveNode",
-    "RowNode",
-    "RuleNode",
-    "StatementKind",
-    "StatementNode",
-    "StretchNode",
-    "TermNode",
-    "TuneNode",
-    "VariableNode",
-]
 
 
 class StatementNode(Protocol):

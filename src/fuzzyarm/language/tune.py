@@ -26,8 +26,6 @@ from fuzzyarm.language.phrases import Occurrence, of_term, of_variable
 from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.tokens import Cursor, Trivia, name_text
 
-__all__ = ["TUNE_ITEMS", "TUNE_ROW", "TuneItem", "TuneNode"]
-
 TUNE_ITEMS: dict[str, str] = {
     "peaks": "the peaks of the terms of these variables move",
     "gain": "gains of the controller that uses the rule base move",

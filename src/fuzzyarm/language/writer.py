@@ -45,20 +45,17 @@ from fuzzyarm.language.phrases import (
     SettingNode,
     ShapeNode,
 )
+from fuzzyarm.language.rules import CellNode, GridNode, RowNode, RuleNode
 from fuzzyarm.language.statements import (
     BlockNode,
-    CellNode,
     EvenTermsNode,
     ExpectNode,
-    GridNode,
     Heading,
     InferenceNode,
     LookupItem,
     LookupNode,
     OutcomeNode,
     ProveNode,
-    RowNode,
-    RuleNode,
     StatementNode,
     StretchNode,
     TermNode,

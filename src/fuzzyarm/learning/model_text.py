@@ -31,7 +31,8 @@ from fuzzyarm.language.model.rulebase import (
     Term,
 )
 from fuzzyarm.language.reading import format_text, parse
-from fuzzyarm.language.statements import GridNode, RuleNode, TermNode
+from fuzzyarm.language.rules import GridNode, RuleNode
+from fuzzyarm.language.statements import TermNode
 from fuzzyarm.language.tokens import Trivia
 from fuzzyarm.language.writer import write
 from fuzzyarm.learning.data import Samples

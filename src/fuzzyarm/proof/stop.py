@@ -11,8 +11,6 @@ from typing import Self
 
 from fuzzyarm.base.errors import FuzzyarmError
 
-__all__ = ["Stop", "TimeOverError", "check_time"]
-
 
 class TimeOverError(FuzzyarmError, TimeoutError):
     """The time for a proof is over."""

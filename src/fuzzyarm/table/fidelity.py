@@ -21,7 +21,6 @@ from fuzzyarm.inference.plan import part_for, plan
 from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
-    DEFAULT_LEVELS,
     Levels,
     choose_output,
     compile_table,
@@ -596,6 +595,3 @@ def compile_with_report(
         tolerance=tolerance,
         few_points=_even_points(part_for(rulebase, [table.output])) < _DENSE_POINTS,
     )
-
-
-__all__ = ["DEFAULT_LEVELS", "CompileReport", "compile_with_report"]

@@ -56,17 +56,16 @@ from fuzzyarm.language.model.rulebase import (
     outline,
 )
 from fuzzyarm.language.reading import Parsed, parse
+from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.language.slips import as_meant
 from fuzzyarm.language.statements import (
     BlockNode,
     EvenTermsNode,
     ExpectNode,
-    GridNode,
     Heading,
     InferenceNode,
     LookupNode,
     ProveNode,
-    RuleNode,
     TermNode,
     VariableNode,
 )

@@ -25,8 +25,6 @@ from fuzzyarm.table import LookupTable, compare_tables
 if TYPE_CHECKING:
     from fuzzyarm.apps.designer.jobs import WindowJob
 
-__all__ = ["compare"]
-
 ACROSS = 61
 """Points of a surface along each input, as many as a page draws."""
 

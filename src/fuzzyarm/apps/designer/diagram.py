@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from fuzzyarm.apps.designer.jobs import WindowJob
     from fuzzyarm.table import LookupTable
 
-__all__ = ["diagram_of", "sheets"]
-
 SIZES = {"label": 13.0, "detail": 11.0, "signal": 12.0, "head": 13.0}
 """Of letters, px."""
 

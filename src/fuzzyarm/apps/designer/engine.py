@@ -36,8 +36,6 @@ from fuzzyarm.symbolic.operations import OPERATIONS
 from fuzzyarm.symbolic.printing import JAVASCRIPT, printed
 from fuzzyarm.symbolic.records import Kind
 
-__all__ = ["engine_source", "numbers_of"]
-
 
 class KindNames(NamedTuple):
     """The kinds that a module has."""

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from fuzzyarm.apps.designer.jobs import WindowJob
     from fuzzyarm.control.controllers.text import ControllerText
 
-__all__ = ["ExportRefusedError", "Offered", "export", "kinds_of", "model_of"]
-
 Sheet = RuleBase | LookupTable
 
 PART: FormField = {

@@ -14,8 +14,6 @@ from fuzzyarm.apps.designer.names import in_words
 from fuzzyarm.apps.designer.threads import IN_A_PAGE
 from fuzzyarm.base.errors import FuzzyarmError
 
-__all__ = ["LOG", "TextRefusedError", "error_of", "internal_words"]
-
 LOG = logging.getLogger("fuzzyarm.apps.designer")
 
 

@@ -49,10 +49,6 @@ from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
 
-__all__ = [
-    "IMPORTS", "LARGEST_IMPORT", "SUFFIXES", "Workspace", "converted_file",
-]  # fmt: skip
-
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
 

@@ -37,11 +37,6 @@ from fuzzyarm.requests.tune import TuneRequest
 if TYPE_CHECKING:
     from fuzzyarm.apps.designer.stage import Plants
 
-__all__ = [
-    "FIT", "FORMS", "LEARN", "MARGINS", "PICTURES", "PROVE", "PROVE_LOOP", "RUN", "SWEEP", "TUNE",
-    "RequestForm", "export_form", "judged",
-]  # fmt: skip
-
 SIGNALS = ("reference", "disturb")
 """Fields whose words may name a file."""
 

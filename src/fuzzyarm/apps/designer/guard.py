@@ -14,8 +14,6 @@ from urllib.parse import urlsplit
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["AccessGuard", "token_for"]
-
 
 class AccessGuard:
     """Lets in who knows the token and asks by this machine's own names."""

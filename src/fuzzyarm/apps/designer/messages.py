@@ -12,8 +12,6 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 from fuzzyarm.base.picture import PanelData
 
-__all__ = ["HEARD", "Finding", "Scene", "SceneDiagram"]
-
 
 class FormField(TypedDict, total=False):
     """A field of a form, by its JSON Schema; see `fuzzyarm.requests.schema.form_fields`."""

@@ -11,11 +11,6 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import real_path
 from fuzzyarm.base.names import printable
 
-__all__ = [
-    "OutsideError", "clean_name", "demand_name", "finding_words", "in_words", "is_inside",
-    "with_suffix",
-]  # fmt: skip
-
 LONGEST_NAME = 120
 """Bytes of a file name, which leaves room for the names of temporary files."""
 

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from fuzzyarm.apps.designer.stage import Plants
     from fuzzyarm.apps.lsp.session import Session
 
-__all__ = ["WORKS", "OpenFiles", "Window"]
-
 
 def _later(module: str, function: str) -> Work:
     """Return work whose module is loaded when it begins: few pages want all of it."""

@@ -18,8 +18,6 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import printable
 
-__all__ = ["ABSENT", "Absent", "MessageError", "json_name", "read_record"]
-
 Record = TypeVar("Record")
 
 LONGEST_SHOWN = 40

@@ -15,8 +15,6 @@ from typing import Any, Literal
 
 from fuzzyarm.apps.designer.records import ABSENT, Absent
 
-__all__ = ["COMMANDS", "FOLDER_QUESTIONS", "TEXT_QUESTIONS", "WORDS", "WORKS"]
-
 Position = tuple[int, int]
 """Line and UTF-16 unit, from 0."""
 

@@ -50,8 +50,6 @@ from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.language.statements import BlockNode, InferenceNode
 from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 
-__all__ = ["Positions", "held_numbers", "scene_of"]
-
 LowerNames = dict[tuple[str, str], str]
 """Variable and term → the name of its lower end."""
 

@@ -62,8 +62,6 @@ from fuzzyarm.language.edit import (
 from fuzzyarm.language.model.rulebase import RuleBase, Shape
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = ["ConflictError", "SharedText"]
-
 LONGEST_HISTORY = 2_000
 """Changes that are kept for windows that fell behind; an older window gets the whole text."""
 

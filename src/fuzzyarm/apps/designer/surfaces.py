@@ -17,8 +17,6 @@ from fuzzyarm.inference.engine import compiled
 from fuzzyarm.inference.strengths import firing_strengths
 from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 
-__all__ = ["surface"]
-
 Variable = TypeVar("Variable", Input, Output)
 
 MOST_ACROSS = 201

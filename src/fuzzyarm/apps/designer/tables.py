@@ -33,8 +33,6 @@ from fuzzyarm.table.compiler import evaluate
 if TYPE_CHECKING:
     from fuzzyarm.apps.designer.jobs import WindowJob
 
-__all__ = ["cell_place", "table_error", "table_page"]
-
 MOST_SHOWN = 120
 """Levels of an axis that are drawn; of more every second, third … one."""
 

@@ -17,8 +17,6 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 from fuzzyarm.base.lazy import load_packages
 
-__all__ = ["Mailbox", "aside", "can_take_turns", "run_to_its_end", "wait_for"]
-
 IN_A_PAGE = sys.platform == "emscripten"
 
 TURN = 0.004

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fuzzyarm.exchange.compiled import Making
     from fuzzyarm.proof.map.verdicts import Verdict
 
-__all__ = ["ExportReport", "report_of", "write_report"]
-
 _BUDGET = 60.0
 """Seconds for each `prove` line."""
 

@@ -22,8 +22,6 @@ from fuzzyarm.exchange.export.numbers import ExportError, c_number
 from fuzzyarm.exchange.export.steps import Steps
 from fuzzyarm.symbolic.identifiers import identifier
 
-__all__ = ["ExportSize", "ExportTrial", "TrialRow", "sizes", "tried"]
-
 _SECONDS = 300
 # Not optimised, so that the lines that gcov counts are those of the text.
 _FLAGS = ("-std=c99", "-ffp-contract=off", "-O0", "--coverage")

@@ -37,7 +37,7 @@ from fuzzyarm.language.edit import (
 )
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.phrases import NameKind as Name
-from fuzzyarm.language.statements import GridNode
+from fuzzyarm.language.rules import GridNode
 
 if TYPE_CHECKING:
     from fuzzyarm.proof.map import Verdict

@@ -12,8 +12,6 @@ import shutil
 import sysconfig
 from pathlib import Path
 
-__all__ = ["declared_names", "definition_of_python3", "headers_for_any_platform"]
-
 _PYCONFIG = """\
 /* What Python's headers ask of a platform, from the compiler itself. */
 #ifndef Py_PYCONFIG_H

@@ -27,8 +27,6 @@ from fuzzyarm.apps.native.printing import UNITS, kernels_in_c
 from fuzzyarm.apps.native.roots import roots
 from fuzzyarm.symbolic.kernels import note_digest, processors
 
-__all__ = ["BuildError", "Compiler", "build", "find_compiler", "zig"]
-
 FLAGS = (
     # Bits as in Python: nothing is fused or reordered. Without errno and traps no result changes,
     # but square roots and comparisons can be vectorised.

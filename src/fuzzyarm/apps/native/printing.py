@@ -18,8 +18,6 @@ from fuzzyarm.symbolic.translation.functions import Translation, part_name
 from fuzzyarm.symbolic.translation.targets import C99, HEAD_OF_C, POINTERS
 from fuzzyarm.symbolic.translation.types import ARRAYS, Array, TupleType
 
-__all__ = ["UNITS", "filled_arrays", "kernels_in_c"]
-
 UNITS: dict[str, tuple[str, ...]] = {
     "rows": (),
     # Loops over a few numbers just written one by one: a vector load would wait for the stores, and

@@ -55,8 +55,6 @@ from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.symbolic.sources import SOURCES
 from fuzzyarm.table import lookup
 
-__all__ = ["Root", "roots"]
-
 
 class Root(NamedTuple):
     """A kernel to build.

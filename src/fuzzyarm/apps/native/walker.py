@@ -5,8 +5,6 @@ from __future__ import annotations
 from fuzzyarm.symbolic.operations import OPERATIONS
 from fuzzyarm.symbolic.programs import HEAD, INSTRUCTION
 
-__all__ = ["WALKER"]
-
 _FRAME = """\
 /* --- Programs of operations, see fuzzyarm/symbolic/programs.py --- */
 

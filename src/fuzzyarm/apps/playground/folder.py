@@ -25,8 +25,6 @@ from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language import read_text
 from fuzzyarm.version import __version__
 
-__all__ = ["BEGIN_WITH", "Playground", "PlaygroundError", "wasm_kernels", "write_playground"]
-
 BUNDLE = PAGE / "built/playground.js"
 """The modules of the page, which `make designer` puts together."""
 

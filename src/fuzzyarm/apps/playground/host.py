@@ -25,8 +25,6 @@ from fuzzyarm.apps.designer.shared import DISK, SharedText
 from fuzzyarm.apps.designer.threads import can_take_turns
 from fuzzyarm.base.errors import FuzzyarmError
 
-__all__ = ["LARGEST_TEXT", "PageFiles", "begin", "warm"]
-
 FOLDER = Path("/playground")
 """Where the files are, in the memory of the page."""
 

@@ -18,8 +18,6 @@ from fuzzyarm.base.extras import installed_program
 from fuzzyarm.exchange.export.avr import run_tool
 from fuzzyarm.exchange.export.numbers import ExportError
 
-__all__ = ["NoMemoryError", "python_memory"]
-
 SCRIPTS = ("start.js", "remember.js")
 
 PATIENCE = 300.0

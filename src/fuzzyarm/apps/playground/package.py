@@ -13,8 +13,6 @@ from pathlib import Path
 
 from fuzzyarm.base.shipped_files import shipped_folder
 
-__all__ = ["archive", "why_it_does_not_load"]
-
 PACKAGE = Path(__file__).resolve().parents[2]
 
 APART = frozenset(

@@ -19,8 +19,6 @@ from pathlib import Path
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.extras import installed_program
 
-__all__ = ["FILES", "OLDEST", "VERSION", "PyodideError", "pyodide_folder"]
-
 VERSION = "314.0.7"
 """The archive that is fetched where no folder is named."""
 

@@ -12,8 +12,6 @@ from fuzzyarm.base.picture import Axis, Cells, Dots, Level, Line, Panel
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
-__all__ = ["table_panel"]
-
 
 def table_panel(
     table: LookupTable, at: Mapping[str, float], axes: tuple[str, str] = ("", "")

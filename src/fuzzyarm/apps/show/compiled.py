@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from fuzzyarm.exchange.export import Exported, ExportedController
     from fuzzyarm.table import CompileReport, Fidelity, LookupTable
 
-__all__ = ["controller_lines", "export_lines", "fidelity_line", "report_lines", "table_words"]
-
 
 def table_words(table: LookupTable, out: str) -> str:
     """Return the shape of a table in a file `out`."""

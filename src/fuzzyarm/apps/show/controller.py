@@ -13,7 +13,6 @@ from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.program import Sheet
 from fuzzyarm.control.controllers.text import ZERO, ControllerText
 from fuzzyarm.language.model.controller import (
-    CHOICE,
     Axes,
     ControllerModel,
     Drive,
@@ -29,11 +28,10 @@ from fuzzyarm.language.model.controller import (
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import choice_text
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.symbolic.sources import CHOICE
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
-
-__all__ = ["SignalFlow", "controller_view", "line_words"]
 
 
 def controller_view(controller: ControllerText) -> Group:

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from fuzzyarm.control.controllers.program import Sheet
     from fuzzyarm.table.diff import TableDiff
 
-__all__ = ["ControllerDiff", "compare_controllers", "controller_diff_view"]
-
 
 @json_properties(
     "same settings gains lines order rulebases=changed_rulebases tables=changed_tables"

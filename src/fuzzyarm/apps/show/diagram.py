@@ -16,11 +16,8 @@ from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import TIMES, counted, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
-    CHOICE,
-    SOURCES,
     Amount,
     Axes,
-    Chosen,
     ControllerModel,
     Drive,
     Factor,
@@ -33,8 +30,7 @@ from fuzzyarm.language.model.controller import (
 )
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import chosen_text, condition_text, number_or_name
-
-__all__ = ["BLOCK_KINDS", "Diagram", "DiagramBlock", "DiagramWire", "block_diagram", "time_text"]
+from fuzzyarm.symbolic.sources import CHOICE, SOURCES, Chosen
 
 BLOCK_KINDS = {
     "port": "a reference or a measured value of the plant",

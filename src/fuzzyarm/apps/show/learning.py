@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 from fuzzyarm.base.picture import Axis, ChartPart, Dots, Line, Numbers, Panel, series
 
-__all__ = ["error_panel"]
-
 
 def error_panel(
     names: Sequence[str], units: Sequence[str], errors: Sequence[Numbers], last: int = 0

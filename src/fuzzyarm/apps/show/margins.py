@@ -15,8 +15,6 @@ from fuzzyarm.base.picture import COLOURS, Axis, Chart, ChartPart, Dots, Level, 
 if TYPE_CHECKING:
     from fuzzyarm.proof.loop.margins import DriveMargins, Margins, WorstMargins
 
-__all__ = ["margin_lines", "margins_chart"]
-
 POINTS = 600
 NEAREST = 3.0
 """Half the width of a Nyquist diagram, which includes the point -1."""

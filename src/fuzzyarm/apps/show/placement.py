@@ -14,8 +14,6 @@ from typing import NamedTuple
 
 from fuzzyarm.apps.show.diagram import Diagram, DiagramBlock, DiagramWire
 
-__all__ = ["Pen", "Picture", "PlacedBlock", "PlacedWord", "place"]
-
 Point = tuple[float, float]
 
 ROUND = ("difference", "plus", "times")

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["MOST_RULINGS", "plane_panel"]
-
 MOST_RULINGS = 80
 """Most grid lines along an axis; more would hide the values."""
 

@@ -11,8 +11,6 @@ from fuzzyarm.proof.map.prover import written
 from fuzzyarm.proof.map.sector import Sector, form_text
 from fuzzyarm.proof.map.verdicts import bound_text
 
-__all__ = ["WAYS", "bound_lines", "drive_lines", "grouped_drives", "sector_lines"]
-
 WAYS = {
     "exact": "in exact arithmetic",
     "widened": "rounded outward",

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.loop.pictures import RegionPlane
     from fuzzyarm.proof.loop.verdicts import LoopVerdict
 
-__all__ = ["region_chart"]
-
 
 def region_chart(text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None) -> Chart:
     """Return the sections of a proved region."""

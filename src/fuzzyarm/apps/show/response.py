@@ -18,8 +18,6 @@ from fuzzyarm.language.model.rulebase import Output, RuleBase, Variable
 if TYPE_CHECKING:
     from fuzzyarm.proof.map import Verdict
 
-__all__ = ["Failure", "Response", "with_gaps"]
-
 
 @dataclass(frozen=True)
 class Failure:

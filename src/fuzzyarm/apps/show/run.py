@@ -13,8 +13,6 @@ from fuzzyarm.base.picture import Axis, Chart, Level, Line, Panel, series
 if TYPE_CHECKING:
     from fuzzyarm.control.loop import Run
 
-__all__ = ["drive_panel", "drives_that_move", "error_panel", "run_chart", "summary_panels"]
-
 
 def run_chart(runs: Sequence[Run], title: str = "") -> Chart:
     """Return runs of one plant, with a column for each tracked output.

@@ -11,8 +11,6 @@ from fuzzyarm.base.picture import COLOURS, Axis, ChartPart, Dots, Line, Panel
 if TYPE_CHECKING:
     from fuzzyarm.learning.tuning.search import Found
 
-__all__ = ["cost_panel", "spreads"]
-
 CEILING = 20.0
 """Costs above this multiple of the best are drawn alike."""
 

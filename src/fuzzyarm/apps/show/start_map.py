@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from fuzzyarm.proof.loop import StartMap
 
-__all__ = ["map_chart", "map_panel"]
-
 COLUMNS, ROWS = 160, 120
 
 

@@ -24,8 +24,6 @@ from fuzzyarm.control.loop.many import Many, Vector
 from fuzzyarm.control.loop.metrics import ERRORS
 from fuzzyarm.control.loop.sweep import Range
 
-__all__ = ["extremes", "lost_runs", "settings_of", "sweep_chart", "sweep_lines", "worst"]
-
 DIVERGED, NOT_RUN = "diverged", "not run"
 
 Units = Mapping[str, str]

@@ -10,8 +10,6 @@ from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.language.model.rulebase import Input, Output, Rule, RuleBase, propositions
 
-__all__ = ["system_diagram"]
-
 
 def system_diagram(rulebase: RuleBase) -> Diagram:
     """Return the block diagram of a rule base."""

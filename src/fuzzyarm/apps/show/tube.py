@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fuzzyarm.language.model.claims import LoopClaim
     from fuzzyarm.proof.loop.tube import Tube
 
-__all__ = ["tube_chart"]
-
 RUNS = 40
 
 

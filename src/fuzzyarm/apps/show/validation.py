@@ -23,8 +23,6 @@ from fuzzyarm.base.picture import (
 if TYPE_CHECKING:
     from fuzzyarm.learning.validation import RuleUse, Validation
 
-__all__ = ["validation_chart"]
-
 MOST_RULES = 60
 """Most bars that are distinguishable."""
 

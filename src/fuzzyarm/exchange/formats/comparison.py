@@ -18,8 +18,6 @@ from fuzzyarm.exchange.formats.findings import Exported, Findings
 from fuzzyarm.exchange.formats.registry import parse
 from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 
-__all__ = ["compare", "comparison_points", "figures_of", "measure"]
-
 SAME = 1e-9
 """Equality tolerance, as a share of the output's range."""
 

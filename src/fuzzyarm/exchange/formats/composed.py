@@ -14,8 +14,6 @@ from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.model.shapes import bends, membership_function
 from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 
-__all__ = ["Degree", "composed", "norm_of"]
-
 Degree = Callable[[float], float]
 
 POINTS = 1001

@@ -17,8 +17,6 @@ from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.language.reading import format_text
 from fuzzyarm.language.tokens import tokenize
 
-__all__ = ["converted", "findings_of", "text_in", "written"]
-
 
 def written(
     rulebase: AnyRuleBase,

@@ -39,8 +39,6 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.language.model.shapes import membership_function
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
-__all__ = ["ScikitBlock", "universe"]
-
 MEAN_OF_POINTS = (
     "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
     "here it is the middle of the maximum"

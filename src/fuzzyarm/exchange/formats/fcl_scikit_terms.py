@@ -11,11 +11,6 @@ from fuzzyarm.language.model.rulebase import Hedge, Shape
 from fuzzyarm.language.model.shapes import apply_hedge, apply_hedges
 from fuzzyarm.symbolic.kinds import HEDGES
 
-__all__ = [
-    "MORE_HEDGES", "closed", "hedged_degrees", "is_at_points_only", "least_difference", "own_shape",
-    "refusal", "widest_gap",
-]  # fmt: skip
-
 # --- Shapes whose numbers have a meaning of their own ---
 
 _ORDERED = {

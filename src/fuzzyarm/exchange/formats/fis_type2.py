@@ -18,10 +18,6 @@ from fuzzyarm.exchange.formats.shapes import make_shape
 from fuzzyarm.language.model.rulebase import Shape, propositions
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 
-__all__ = [
-    "LOWER_KEY", "MEMBERSHIP_KEY", "interval_shapes", "is_of_toolbox", "note_toolbox", "reductions",
-]  # fmt: skip
-
 MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})U?\Z", re.IGNORECASE)
 LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
 """With U the upper, with L the lower function of a term (spelling of the type-2 toolbox)."""

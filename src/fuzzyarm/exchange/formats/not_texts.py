@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-__all__ = ["called", "started"]
-
 _MAT = "a MAT-file", "in MATLAB, writeFIS(fis, 'name') writes a variable of it as a .fis"
 _PICKLE = (
     "a pickle",

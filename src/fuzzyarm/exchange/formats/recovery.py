@@ -22,11 +22,6 @@ from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.model.shapes import bends, membership_function, polyline
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = [
-    "NEAR_LINES", "TOLERANCE", "beside_lines", "constant_beyond", "even_family", "is_joined",
-    "joined", "recovered", "shape_of", "straight_shape",
-]  # fmt: skip
-
 TOLERANCE = 1e-12
 """Greatest error of a degree."""
 

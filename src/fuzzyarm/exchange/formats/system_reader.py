@@ -34,8 +34,6 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 from fuzzyarm.symbolic.records import Norm
 
-__all__ = ["SystemReader"]
-
 
 class SystemReader:
     """Builds a rule base from words; the reader of a format inherits from it.

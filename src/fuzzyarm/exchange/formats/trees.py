@@ -34,8 +34,6 @@ from fuzzyarm.language.model.rulebase import (
 )
 from fuzzyarm.symbolic.formulas import FormulaError, read_formula, write_formula
 
-__all__ = ["Connection", "read_connection", "tree"]
-
 _Part = TypeVar("_Part", Is, Consequent)
 
 

@@ -16,8 +16,6 @@ from fuzzyarm.symbolic.formulas import Formula, FormulaError, read_formula, writ
 from fuzzyarm.symbolic.nodes import replace as put_in
 from fuzzyarm.symbolic.nodes import symbol
 
-__all__ = ["formulas_of_input", "values_as_sets"]
-
 
 def formulas_of_input(draft: VariableDraft, findings: Findings) -> None:
     """Replace the formulas of an input by the shapes they draw.

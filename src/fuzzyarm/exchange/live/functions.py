@@ -9,8 +9,6 @@ from fuzzyarm.exchange.formats.recovery import constant_beyond, even_family, joi
 from fuzzyarm.exchange.formats.shapes import range_of_values
 from fuzzyarm.language.model.rulebase import Defuzzifier, Input, Output, Shape, Term
 
-__all__ = ["input_of", "output_of_values", "shape_or_points", "terms_of"]
-
 _SAMPLED_AT = 1001
 """Samples over a range of a function that is no shape of the language."""
 

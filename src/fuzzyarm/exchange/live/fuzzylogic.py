@@ -32,8 +32,6 @@ from fuzzyarm.language.model.rulebase import (
 )
 from fuzzyarm.language.model.shapes import apply_hedges
 
-__all__ = ["from_fuzzylogic", "fuzzylogic_numbers"]
-
 
 def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
     """Return a function that evaluates a rule in fuzzylogic."""

@@ -29,10 +29,6 @@ from fuzzyarm.exchange.live.simpful import from_simpful, simpful_numbers
 from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.language.model.rulebase import RuleBase
 
-__all__ = [
-    "LIBRARIES", "Library", "library_of", "measured", "read_object",
-]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Library:

@@ -39,8 +39,6 @@ from fuzzyarm.language.model.shapes import membership_function
 from fuzzyarm.symbolic.formulas import FormulaError
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 
-__all__ = ["CALL", "KINDS", "NAME", "from_pyit2fls", "pyit2fls_numbers"]
-
 KINDS = ("IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK")
 """Names of the system classes."""
 

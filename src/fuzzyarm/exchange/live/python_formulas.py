@@ -13,8 +13,6 @@ from fuzzyarm.exchange.formats.findings import written
 from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.symbolic.formulas import read_formula, write_formula
 
-__all__ = ["function_shape", "text_shape"]
-
 _SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "^"}
 _FUNCTIONS = frozenset({"abs", "min", "max", "log10"})
 

@@ -37,8 +37,6 @@ from fuzzyarm.language.model.rulebase import (
 )
 from fuzzyarm.symbolic.formulas import FormulaError
 
-__all__ = ["from_simpful", "simpful_numbers"]
-
 SUBDIVISIONS = 1000
 """Default number of points of ``inference()``."""
 

@@ -61,8 +61,6 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.language.model.shapes import membership_function
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
 
-__all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
-
 # --- From a control system of scikit-fuzzy to a rule base ---
 
 

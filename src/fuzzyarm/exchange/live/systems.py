@@ -32,8 +32,6 @@ from fuzzyarm.exchange.live.objects import library_of, measured, read_object
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 
-__all__ = ["ScriptError", "System", "from_live", "read_script"]
-
 # --- One object ---
 
 

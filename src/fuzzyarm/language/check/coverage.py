@@ -35,7 +35,7 @@ from fuzzyarm.language.model.rulebase import (
     propositions,
 )
 from fuzzyarm.language.model.shapes import apply_hedges, corners, truth
-from fuzzyarm.language.statements import GridNode
+from fuzzyarm.language.rules import GridNode
 from fuzzyarm.symbolic.kinds import TNORMS
 
 # --- Stretches of an input's range that no term covers ---

@@ -21,7 +21,7 @@ from fuzzyarm.language.model.rulebase import (
     Rule,
 )
 from fuzzyarm.language.phrases import JunctionNode, PropositionNode
-from fuzzyarm.language.statements import CellNode, GridNode
+from fuzzyarm.language.rules import CellNode, GridNode
 
 # --- Rules with the same antecedent: contradictory, or repeated ---
 

@@ -20,7 +20,7 @@ from fuzzyarm.language.model.rulebase import (
     propositions,
 )
 from fuzzyarm.language.model.shapes import centre, membership_function, polyline, probe_points
-from fuzzyarm.language.statements import GridNode
+from fuzzyarm.language.rules import GridNode
 from fuzzyarm.symbolic.kinds import SHAPES
 
 FAINT = 1e-6

@@ -19,11 +19,11 @@ from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import section_at, statements_below
 from fuzzyarm.language.edit.reading import NOTHING, Facts, Reading, asked_variable
-from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS, NameKind, Setting, parameter_names
-from fuzzyarm.language.statements import LOOKUP_ROW, STATEMENTS, GridNode, RowNode
+from fuzzyarm.language.rules import GridNode, RowNode
+from fuzzyarm.language.statements import LOOKUP_ROW, STATEMENTS
 from fuzzyarm.language.tokens import (
     Cursor,
     Fault,
@@ -35,6 +35,7 @@ from fuzzyarm.language.tokens import (
 )
 from fuzzyarm.language.tune import TUNE_ROW
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, Registry, ShapeKind
+from fuzzyarm.symbolic.sources import SOURCES
 
 # --- Candidates: words of the language, names, shapes with their numbers ---
 

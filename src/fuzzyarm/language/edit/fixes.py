@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fuzzyarm.base.diagnostic import Diagnostic, Span, split_lines
-from fuzzyarm.language.statements import GridNode, RowNode
+from fuzzyarm.language.rules import GridNode, RowNode
 from fuzzyarm.language.tokens import name_text
 
 

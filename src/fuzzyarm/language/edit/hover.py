@@ -19,7 +19,8 @@ from fuzzyarm.language.model.rulebase import Input, Rule, Shape, Variable
 from fuzzyarm.language.model.shapes import EVEN_SHAPES, corner_points, membership
 from fuzzyarm.language.phrases import SETTINGS, NameKind, Occurrence, parameter_names
 from fuzzyarm.language.rows import sentence
-from fuzzyarm.language.statements import STATEMENTS, WORDS, CellNode, GridNode
+from fuzzyarm.language.rules import CellNode, GridNode
+from fuzzyarm.language.statements import STATEMENTS, WORDS
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS, Registry

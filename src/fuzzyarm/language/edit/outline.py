@@ -14,14 +14,8 @@ from fuzzyarm.language.model.rulebase import SAMPLINGS
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS, NameKind
 from fuzzyarm.language.rows import mentions
-from fuzzyarm.language.statements import (
-    STATEMENTS,
-    WORDS,
-    BlockNode,
-    GridNode,
-    StatementNode,
-    VariableNode,
-)
+from fuzzyarm.language.rules import GridNode
+from fuzzyarm.language.statements import STATEMENTS, WORDS, BlockNode, StatementNode, VariableNode
 from fuzzyarm.language.tokens import RESERVED, Token
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS, Registry
 from fuzzyarm.symbolic.sources import SOURCES

@@ -16,8 +16,6 @@ from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.model.shapes import corner_points, membership_function
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = ["KINDS", "UnlikeError", "alike"]
-
 SAMPLES = 2001
 """Points at which a shape is looked at, over three times its range."""
 

@@ -7,8 +7,6 @@ from typing import Literal
 
 from fuzzyarm.base.diagnostic import NOWHERE, Span
 
-__all__ = ["LoopClaim", "Stretch", "When"]
-
 Stretch = tuple[str, float, float]
 """A name and an interval."""
 

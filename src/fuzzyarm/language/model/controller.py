@@ -26,36 +26,9 @@ from fuzzyarm.symbolic.sources import (
     CHOICE,
     SOURCES,
     Chosen,
-    Condition,
-    OptionKind,
     Setting,
     SourceKind,
 )
-
-__all__ = [
-    "CHOICE",
-    "SOURCES",
-    "Amount",
-    "Axes",
-    "Chosen",
-    "Condition",
-    "ControllerModel",
-    "Drive",
-    "Factor",
-    "GainModel",
-    "Learn",
-    "Line",
-    "OptionKind",
-    "Partner",
-    "Product",
-    "SignalLine",
-    "Source",
-    "SourceKind",
-    "Time",
-    "Tune",
-    "Use",
-    "Zoom",
-]
 
 
 class Time(float):

@@ -8,8 +8,6 @@ from fuzzyarm.language.model.controller import Axes, ControllerModel, SignalLine
 from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 
-__all__ = ["methods_of", "structures_of"]
-
 RULES_OVER_SETS = ("mamdani1975",)
 """Rules with clipped and united sets as conclusions."""
 

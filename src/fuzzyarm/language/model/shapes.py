@@ -29,24 +29,6 @@ from fuzzyarm.symbolic.shapes import parameters_and_middles
 if TYPE_CHECKING:
     from fractions import Fraction
 
-__all__ = [
-    "EVEN_SHAPES",
-    "apply_hedge",
-    "apply_hedges",
-    "bends",
-    "centre",
-    "corner_points",
-    "corners",
-    "first_above",
-    "first_sample_above",
-    "membership",
-    "membership_function",
-    "polyline",
-    "probe_points",
-    "straight_lines",
-    "truth",
-]
-
 EVEN_SHAPES: dict[str, str] = {
     "triangles": "each foot under its neighbour's peak",
     "gaussians": "neighbours cross at one half",

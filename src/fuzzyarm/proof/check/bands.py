@@ -29,8 +29,6 @@ from fuzzyarm.proof.check.polynomials import coefficients
 from fuzzyarm.proof.check.rules import RuleSurface
 from fuzzyarm.proof.check.spans import Spans
 
-__all__ = ["RuleBands"]
-
 Vector = NDArray[np.float64]
 
 OFF = 2.0**-42

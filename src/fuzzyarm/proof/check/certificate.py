@@ -30,12 +30,6 @@ from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import require_sense
 
-__all__ = [
-    "Certificate", "CertificateError", "Evidence", "Gains", "RegionProof", "TubeProof",
-    "certificate_bytes", "delays_by_name", "fingerprints_of", "read_certificate", "sealed",
-    "sensors_by_name", "write_certificate",
-]  # fmt: skip
-
 FORMAT = "fuzzyarm-proof 1"
 
 Matrix = tuple[tuple[Fraction, ...], ...]

@@ -42,17 +42,6 @@ from fuzzyarm.proof.stop import Stop
 if TYPE_CHECKING:
     from fuzzyarm.requests.prove import ProveRequest
 
-__all__ = [
-    "Checked",
-    "check_certificate",
-    "check_of",
-    "demand_proved",
-    "ends_of_boxes",
-    "follow_tubes",
-    "proof_words",
-    "region_lines",
-]
-
 PROVED, UNDECIDED = "proved", "undecided"
 
 MOST_CELLS = 1 << 26

@@ -16,16 +16,6 @@ from fuzzyarm.proof.check.polynomials import Vector
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = [
-    "ClippedSet",
-    "Corners",
-    "UndecidedError",
-    "corners_of",
-    "height_at",
-    "height_beside",
-    "lower_of",
-]
-
 Corners = tuple[tuple[fmpq, fmpq], ...]
 
 

@@ -32,8 +32,6 @@ from fuzzyarm.proof.check.slopes import Slope, applied
 from fuzzyarm.proof.check.spans import Spans
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Form", "FormNumbers", "Truth"]
-
 Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

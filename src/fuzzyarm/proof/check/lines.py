@@ -31,8 +31,6 @@ from fuzzyarm.proof.check.slopes import Slope, applied
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.table import LookupTable
 
-__all__ = ["LinearSignal", "LinearSignals", "Row", "Unchecked", "combined", "number_line"]
-
 Parts = Mapping[str, Number]
 
 Row = tuple[Parts, Number, str]

@@ -67,8 +67,6 @@ from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.symbolic.nodes import Apply, postorder, symbols
 
-__all__ = ["CheckedLoop", "System", "checked_loop"]
-
 JUMPS = (
     "floor", "ceil", "round", "truncate", "remainder", "sign", "where",
     "less", "less_equal", "equal", "both", "either", "negation",

@@ -29,16 +29,6 @@ from fuzzyarm.proof.check.slopes import Slope, slopes_of
 from fuzzyarm.proof.check.spans import Matrices, Spans
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 
-__all__ = [
-    "FAR",
-    "around_motion",
-    "flow_over",
-    "is_affine",
-    "jacobian_of",
-    "output_between_samples",
-    "parameters_of",
-]
-
 FAR = exact(1e308)
 """As far as numbers go: what is affine as far as that is affine."""
 

@@ -27,39 +27,6 @@ from fuzzyarm.proof.check.spans import Matrices, Spans
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
 
-__all__ = [
-    "FUNCTIONS",
-    "ONE",
-    "ZERO",
-    "Matrix",
-    "Number",
-    "SpanError",
-    "around",
-    "ball",
-    "between",
-    "ends",
-    "exact",
-    "float_above",
-    "float_below",
-    "function",
-    "greatest",
-    "holds",
-    "hull",
-    "identity",
-    "is_point",
-    "is_positive_definite",
-    "is_same",
-    "is_zero",
-    "least",
-    "magnitude",
-    "middle",
-    "precisely",
-    "product",
-    "radius",
-    "square",
-    "transposed",
-]  # fmt: skip
-
 Number = Any
 """An ``fmpq``, an ``arb`` or ``Spans``."""
 

@@ -23,8 +23,6 @@ from fuzzyarm.proof.check.polynomials import (
 )
 from fuzzyarm.proof.claim.problem import LoopProofError
 
-__all__ = ["BoundedPiece", "Piece", "gradients_of", "is_within", "sides_of", "slope_along"]
-
 GRID = 1 << 20
 """Parts of a simplex to which shares are rounded."""
 

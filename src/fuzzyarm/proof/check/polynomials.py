@@ -17,23 +17,6 @@ from flint import arb, fmpq, fmpq_mpoly_ctx
 from fuzzyarm.proof.check.numbers import ONE, ZERO, Number, SpanError, between
 from fuzzyarm.proof.stop import check_time
 
-__all__ = [
-    "Polynomial",
-    "Vector",
-    "bounds_of",
-    "coefficients",
-    "dot",
-    "first_coefficient",
-    "is_not_negative",
-    "is_positive",
-    "level",
-    "linear",
-    "moved",
-    "plus",
-    "ratio",
-    "ring_of",
-]
-
 DEEPEST = 14
 """How often a simplex is halved before a claim is given up."""
 

@@ -51,11 +51,6 @@ from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in
 from fuzzyarm.proof.stop import check_time
 
-__all__ = [
-    "accepted", "faded", "falls", "has_known_start", "is_inside", "port_within", "quadratic_at",
-    "refutation", "start_quadric", "verified",
-]  # fmt: skip
-
 Rows = Sequence[Sequence[Number | Fraction]]
 
 

@@ -70,8 +70,6 @@ from fuzzyarm.proof.check.polynomials import (
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
 
-__all__ = ["RuleSurface", "RuleSurfaces"]
-
 MOST_PIECES = 200_000
 """Simplices of one region."""
 

@@ -36,8 +36,6 @@ from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, constant, pos
 from fuzzyarm.symbolic.operations import OPERATIONS
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Slope", "SlopeNumbers", "applied", "slopes_of"]
-
 
 class Slope(NamedTuple):
     """Where a value is, and where its derivatives are; variables without one have 0.

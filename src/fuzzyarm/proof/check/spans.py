@@ -20,8 +20,6 @@ import numpy as np
 from flint import arb, fmpq
 from numpy.typing import NDArray
 
-__all__ = ["Matrices", "Spans", "exact"]
-
 Vector = NDArray[np.float64]
 
 

@@ -52,8 +52,6 @@ from fuzzyarm.proof.claim.text import claimed_in, claimed_port
 from fuzzyarm.proof.stop import check_time
 from fuzzyarm.symbolic.nodes import symbols
 
-__all__ = ["Followed", "Follower", "Haven", "Task", "covered"]
-
 MOST_SYMBOLS = 14
 """Symbols for each state above which a set is made simpler."""
 

@@ -26,8 +26,6 @@ from fuzzyarm.symbolic.sources import VALUE
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import INPUTS, VALUES
 
-__all__ = ["NumberSystem", "ProgramWalk"]
-
 
 class NumberSystem(Protocol):
     """A kind of number: meaning of operations, rule bases and tables."""

@@ -28,9 +28,6 @@ from fuzzyarm.plant.plant import Plant, Port, parameter
 from fuzzyarm.symbolic.nodes import symbol
 from fuzzyarm.symbolic.programs import program_of
 
-__all__ = ["controller_changes", "gain_words", "loop_digests", "plant_changes"]
-
-
 # ── digests ──────────────────────────────────────────────────────────────────────────
 
 

@@ -30,14 +30,6 @@ from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_para
 from fuzzyarm.symbolic.nodes import Node, symbol, symbols
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = [
-    "LoopProblem",
-    "LoopProofError",
-    "LostRunError",
-    "PlantEquations",
-    "loop_problem",
-]
-
 
 class LoopProofError(FuzzyarmError, ValueError):
     """Nothing can be proved about a loop; the message says why."""

@@ -23,18 +23,6 @@ from fuzzyarm.proof.claim.identity import controller_changes, plant_changes
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
 from fuzzyarm.proof.claim.time import ClaimedPeriods, claimed_periods
 
-__all__ = [
-    "claim_text",
-    "claimed_in",
-    "claimed_plant",
-    "claimed_port",
-    "loop_sentence",
-    "problem_of",
-    "read_claim",
-    "require_sense",
-]
-
-
 OPENINGS = ("stable", "on", "at", "with", "from")
 """Words that a claim may begin with, where its plant is known."""
 

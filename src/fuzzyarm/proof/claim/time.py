@@ -13,8 +13,6 @@ from typing import NamedTuple
 
 from fuzzyarm.language.model.claims import LoopClaim
 
-__all__ = ["ClaimedPeriods", "claimed_periods"]
-
 
 class ClaimedPeriods(NamedTuple):
     """The first and the last control period, counted from 0; no last one: for ever."""

@@ -22,8 +22,6 @@ from fuzzyarm.proof.loop.period import LoopAlgebra
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Affine", "AffineAlgebra", "NotAffineError", "SignalBound", "UncertainGain"]
-
 ZERO, ONE = Fraction(0), Fraction(1)
 
 INFINITY, NO_VALUE = "infinity", "a division by 0"

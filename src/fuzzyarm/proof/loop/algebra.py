@@ -24,8 +24,6 @@ from fuzzyarm.proof.loop.zonotope import Forms, clip, larger, smaller, stacked
 from fuzzyarm.symbolic.nodes import Constant, Node
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Number", "Zonotopes"]
-
 Number = Forms | float
 
 Vector = NDArray[np.float64]

@@ -31,8 +31,6 @@ from fuzzyarm.proof.claim.text import claimed_in, problem_of
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
-__all__ = ["certify_map", "certify_tube"]
-
 MOST_HALVINGS = 12
 
 HALVED_AGAIN = 2

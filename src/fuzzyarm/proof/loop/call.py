@@ -30,8 +30,6 @@ from fuzzyarm.proof.map.verdicts import Verdict
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.prove import ProveRequest
 
-__all__ = ["prove"]
-
 Tell = Callable[[str, int, float], None]
 
 _LOOP_WORDS = re.compile(r"\s*(?:prove\s+)?(stable|on)\b")

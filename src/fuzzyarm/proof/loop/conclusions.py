@@ -27,8 +27,6 @@ from fuzzyarm.proof.map.sector import NoSectorError, sector, slopes_at
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Conclusions"]
-
 Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
 
 

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
 
-__all__ = ["Cover"]
-
 HALVINGS = {1: 12, 2: 8, 3: 6, 4: 5, 5: 4}
 """By the number of states: how often each side of the window is halved for the cells."""
 

@@ -27,24 +27,6 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
 
-__all__ = [
-    "EnclosureError",
-    "Intervals",
-    "absolute",
-    "arctangent",
-    "cosine",
-    "exponential",
-    "logarithm",
-    "matrix_exponential",
-    "matrix_product",
-    "outward",
-    "power",
-    "sine",
-    "square_root",
-    "tangent",
-    "waves",
-]
-
 Vector: TypeAlias = NDArray[np.float64]
 
 

@@ -55,8 +55,6 @@ from fuzzyarm.symbolic.nodes import (
 )
 from fuzzyarm.symbolic.operations import OPERATIONS
 
-__all__ = ["CornerError", "Flow", "Step"]
-
 
 class CornerError(EnclosureError):
     """A corner of an expression is inside the domain of a series expansion."""

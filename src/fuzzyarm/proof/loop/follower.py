@@ -31,8 +31,6 @@ from fuzzyarm.symbolic.evaluation import gradient, specialise
 from fuzzyarm.symbolic.nodes import Constant, Node, replace, symbols
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["Box", "Demand", "FollowedBoxes", "Follower", "Goal"]
-
 Vector = NDArray[np.float64]
 
 ORDER, LEAST_ORDER = 6, 2

@@ -24,8 +24,6 @@ from fuzzyarm.proof.check.numbers import around, exact
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, SignalBound
 
-__all__ = ["Assumptions", "Form", "Matrix", "row_of"]
-
 Matrix = tuple[tuple[Fraction, ...], ...]
 
 

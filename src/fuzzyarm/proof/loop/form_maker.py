@@ -29,8 +29,6 @@ from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import Symbol
 
-__all__ = ["FormMaker"]
-
 DOUBT = 1e-9
 """How far the true rest is taken to be from one that was found in floats, at most."""
 

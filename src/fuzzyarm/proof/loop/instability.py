@@ -26,8 +26,6 @@ from fuzzyarm.proof.check.region import falls, quadratic_at
 from fuzzyarm.proof.loop.linear import declining
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["growth"]
-
 SHARES = (1.0 - 2.0**-20, 0.9, 0.7, 0.5, 0.3, 0.1, 0.03)
 """Of how far the largest eigenvalue is beyond 1, as floats have it: growths that are tried."""
 

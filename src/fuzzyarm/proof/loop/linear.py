@@ -30,8 +30,6 @@ from fuzzyarm.proof.loop.form import Form, Matrix
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["CertificateCandidate", "candidate", "declining"]
-
 Vector = NDArray[np.float64]
 
 

@@ -28,8 +28,6 @@ from fuzzyarm.symbolic.evaluation import bounds as bounds_of
 from fuzzyarm.symbolic.evaluation import gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
 
-__all__ = ["LinearFlow", "linear_flow"]
-
 Vector = NDArray[np.float64]
 
 

@@ -35,8 +35,6 @@ from fuzzyarm.symbolic.evaluation import evaluate, gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.table import LookupTable
 
-__all__ = ["LinearisedLoop", "OpenLoop", "RuleSlope", "linearised"]
-
 Vector = NDArray[np.float64]
 
 STEP = 1e-4

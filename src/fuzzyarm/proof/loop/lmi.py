@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["Inequality", "feasible_point", "minimise"]
-
 Vector = NDArray[np.float64]
 
 

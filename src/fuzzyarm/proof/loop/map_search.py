@@ -43,8 +43,6 @@ from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["MAP_BUDGET", "MapSearch", "map_starts"]
-
 MAP_BUDGET = 300.0
 """Seconds that each worker may take where nothing is said."""
 

@@ -32,8 +32,6 @@ from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.zonotope import Forms
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["MapCase", "MapWorker", "mapped_piece"]
-
 TILES = 64
 """Parts of the window to begin with, at least."""
 

@@ -40,19 +40,6 @@ from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import NoSectorError, form_text, sector
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
-__all__ = [
-    "DriveMargins",
-    "Margins",
-    "RuleGain",
-    "WorstMargins",
-    "changed",
-    "drive_margins",
-    "margins",
-    "margins_of",
-    "margins_of_problem",
-    "rule_gains",
-]
-
 Vector = NDArray[np.float64]
 
 LONGEST_DELAY = 400

@@ -43,8 +43,6 @@ from fuzzyarm.requests.margins import MarginsRequest
 from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.table import compile_table
 
-__all__ = ["Proof", "proofs_of"]
-
 Proof = Verdict | LoopVerdict | Checked | DriveProof | Bounds | Sector | Tube | StartMap
 """What proving gives: by what was asked."""
 

@@ -9,8 +9,6 @@ from fractions import Fraction
 from fuzzyarm.proof.loop.affine import ZERO, NotAffineError
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
 
-__all__ = ["above", "around", "below", "end_of", "exact_bounds", "higher", "lower"]
-
 
 def lower(x: float) -> float:
     """Return a float two steps below."""

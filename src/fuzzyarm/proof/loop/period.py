@@ -20,8 +20,6 @@ from fuzzyarm.plant.actuators import dead_time, periods_of
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 
-__all__ = ["LoopAlgebra", "LoopPeriod"]
-
 T = TypeVar("T")
 
 

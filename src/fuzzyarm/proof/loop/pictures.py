@@ -22,8 +22,6 @@ from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.claim.text import claimed_plant, problem_of
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
 
-__all__ = ["RegionPlane", "region_planes"]
-
 Vector = NDArray[np.float64]
 
 RUNS, GRID = 10, 13

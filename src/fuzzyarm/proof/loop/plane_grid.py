@@ -27,8 +27,6 @@ from numpy.typing import NDArray
 
 from fuzzyarm.proof.map.bernstein import Quotients
 
-__all__ = ["Bands", "PlaneGrid", "cells_of"]
-
 Vector = NDArray[np.float64]
 Index = NDArray[np.int64]
 

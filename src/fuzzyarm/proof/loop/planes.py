@@ -42,8 +42,6 @@ from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
-__all__ = ["PlaneBand", "RulePlanes", "TablePlanes", "Zonotope"]
-
 Vector = NDArray[np.float64]
 
 ROUNDS = 4

@@ -25,8 +25,6 @@ from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import symbols
 
-__all__ = ["ARRIVED", "GIVEN_UP", "LOST", "Fate", "Pool"]
-
 Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

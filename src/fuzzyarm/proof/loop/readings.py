@@ -31,20 +31,6 @@ from fuzzyarm.symbolic.nodes import (
     symbols,
 )
 
-__all__ = [
-    "CONDITIONS",
-    "UnenclosedError",
-    "applied",
-    "as_forms",
-    "choice_of",
-    "is_less_equal",
-    "may_jump",
-    "pruned",
-    "read",
-    "readable",
-    "takes_condition",
-]
-
 
 class UnenclosedError(FuzzyarmError, ValueError):
     """An expression has an operation of which nothing is enclosed; the message names it."""

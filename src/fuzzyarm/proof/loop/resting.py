@@ -18,8 +18,6 @@ from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
 from fuzzyarm.symbolic.evaluation import evaluate
 
-__all__ = ["rest_in_floats"]
-
 Vector = NDArray[np.float64]
 
 STEPS = 60

@@ -27,8 +27,6 @@ from fuzzyarm.proof.loop.follower import Follower
 from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["Breach", "converged", "refuting_run", "run_in_time", "run_of", "sampled_runs"]
-
 
 class Breach(NamedTuple):
     """A run that breaks a claim, and how, in words."""

@@ -25,8 +25,6 @@ from fuzzyarm.proof.map.laws import JUMPS
 from fuzzyarm.symbolic.evaluation import gradient
 from fuzzyarm.symbolic.nodes import Apply, Node, postorder, symbols
 
-__all__ = ["SampledPlant", "require_still"]
-
 
 def require_still(problem: LoopProblem) -> None:
     """Refuse equations that change with time, jump, or let an input through at once."""

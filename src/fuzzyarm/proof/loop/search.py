@@ -24,8 +24,6 @@ from fuzzyarm.proof.loop.linear import CertificateCandidate, candidate
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["Proposal", "form_at_rest", "proposals", "rate_of"]
-
 WHOLE = 1 - Fraction(1, 2**20)
 """What limits leave of a signal that they hardly touch."""
 

@@ -15,8 +15,6 @@ from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.claim.problem import ClaimError
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["OPEN", "PROVED", "REFUTED", "MappedBox", "StartMap"]
-
 PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 
 

@@ -32,8 +32,6 @@ from fuzzyarm.symbolic.kinds import SHAPES
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.table import LookupTable
 
-__all__ = ["is_odd"]
-
 ODD, EVEN = "odd", "even"
 
 Parity = Fraction | str

@@ -36,8 +36,6 @@ from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.tube import Tube, tube
 from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, stacked
 
-__all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way", "loop_tube"]
-
 TUBE_BUDGET = 60.0
 """Seconds that a tube may take where nothing is said."""
 

@@ -30,8 +30,6 @@ from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, G
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["Demand", "PortBounds", "Progress", "Tube", "tube"]
-
 Vector = NDArray[np.float64]
 
 AT_ONCE = 64

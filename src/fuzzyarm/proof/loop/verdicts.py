@@ -46,8 +46,6 @@ from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["LoopVerdict", "prove_loop"]
-
 MOST_CHECKED = 8
 """Proposals that are shown to the checker, the one of the largest region first."""
 

@@ -23,8 +23,6 @@ from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.runs import converged, run_in_time, run_of
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["WITNESSES", "contradiction"]
-
 Vector = NDArray[np.float64]
 
 WITNESSES = 12

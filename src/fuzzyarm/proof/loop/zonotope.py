@@ -38,8 +38,6 @@ from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.symbolic.evaluation import derivative, specialise
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
 
-__all__ = ["FUNCTIONS", "Forms", "aligned", "clip", "dot", "larger", "smaller", "stacked"]
-
 Vector: TypeAlias = NDArray[np.float64]
 
 ENLARGED = 1.0 + 2.0**-40

@@ -4,7 +4,7 @@
 rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into
 pieces on which the output is a quotient of polynomials; everything else goes by boxes.
 :func:`sector` and :func:`slopes_at` set an output beside a linear law;
-:mod:`fuzzyarm.proof.map.controllers` does so with the drives of a controller.
+:func:`prove_drives` does so with the drives of a controller.
 """
 
 from typing import TYPE_CHECKING
@@ -16,6 +16,9 @@ from fuzzyarm.proof.map.sector import NoSectorError, Sector, sector, slopes_at
 from fuzzyarm.proof.map.tables import table_proof
 from fuzzyarm.proof.map.verdicts import Verdict, property_text, prove, prove_all, read_property
 
+if TYPE_CHECKING:
+    from fuzzyarm.proof.map.controllers import prove_drives
+
 __all__ = [
     "Bounds",
     "NoSectorError",
@@ -26,6 +29,7 @@ __all__ = [
     "property_text",
     "prove",
     "prove_all",
+    "prove_drives",
     "read_property",
     "sector",
     "slopes_at",
@@ -33,4 +37,4 @@ __all__ = [
 ]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazily(__name__, {}, __all__)
+    __getattr__, __dir__ = lazily(__name__, {"controllers": ("prove_drives",)}, __all__)

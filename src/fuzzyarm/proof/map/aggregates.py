@@ -19,16 +19,6 @@ from fuzzyarm.proof.map.memberships import SLACK, Interval, hedged, joined, memb
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
-__all__ = [
-    "AggregateSamples",
-    "JoinedPanels",
-    "Panels",
-    "Strengths",
-    "folded",
-    "folded_where_max",
-    "set_bounds",
-]
-
 PANELS = 160
 """Stretches of an output on which its aggregate lies between two straight lines."""
 

@@ -15,18 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "FLOATS",
-    "Arithmetic",
-    "Array",
-    "any_of_rows",
-    "as_fraction",
-    "greatest_of_rows",
-    "least_of_rows",
-    "rationals",
-    "sums_of_rows",
-]
-
 Array = NDArray[Any]
 """Of float64, or of rationals as objects."""
 

@@ -36,16 +36,6 @@ from fuzzyarm.proof.map.arithmetic import (
 )
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
-__all__ = [
-    "Extremum",
-    "Quotients",
-    "barycentric",
-    "from_values",
-    "lattice",
-    "maximise",
-    "vertices_of",
-]
-
 Index = tuple[int, ...]
 
 MARGIN = 3e-14

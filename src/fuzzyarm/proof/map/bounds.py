@@ -8,19 +8,6 @@ from typing import NamedTuple
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
 
-__all__ = [
-    "GAP",
-    "LIKE_EXPECT",
-    "TABLE_ERROR",
-    "WIDENED",
-    "Bounds",
-    "Claim",
-    "Missing",
-    "NothingFiresError",
-    "Point",
-    "UnprovableError",
-]
-
 WIDENED = 1e-12
 """Share of an output's range by which bounds that floats found are widened outward."""
 

@@ -34,8 +34,6 @@ from fuzzyarm.proof.map.memberships import Degrees, Interval, hedged, joined, wi
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 
-__all__ = ["Boxes"]
-
 COARSE = 1e-3
 """Share of the range of the output to which boxes are refined where nothing else is said."""
 

@@ -41,9 +41,6 @@ from fuzzyarm.proof.map.walk import Asked, AxisLines, LineWalk, source_name
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 
-__all__ = ["DriveGain", "DriveProof", "DriveSector", "prove_drives", "sampled_drive"]
-
-
 # ── what is found ────────────────────────────────────────────────────────────────────
 
 
@@ -468,7 +465,7 @@ def prove_drives(
     Examples
     --------
     >>> import fuzzyarm
-    >>> from fuzzyarm.proof.map.controllers import prove_drives
+    >>> from fuzzyarm.proof.map import prove_drives
     >>> (drive,) = prove_drives(fuzzyarm.load(fuzzyarm.shipped("servo.frb")))
     >>> [(gain.source, round(gain.low, 3), gain.unit) for gain in drive.gains]
     [('error of position', 108.0, 'V/rad'), ('error of velocity', 4.725, 'V s/rad')]

@@ -43,8 +43,6 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import bounds
 from fuzzyarm.symbolic.kinds import SHAPES, DefuzzifierKind
 
-__all__ = ["WAYS", "BoundingMethod", "Crisp", "Valued", "crisp", "value_bounds"]
-
 Valued = tuple[Array, Array, Array]
 """Bounds of a value, NaN where there is none in a box, and where there may be none."""
 

@@ -17,28 +17,6 @@ from fuzzyarm.symbolic.nodes import Apply, Constant, Node, postorder, symbols
 from fuzzyarm.symbolic.operations import OPERATIONS, Interval
 from fuzzyarm.table import LookupTable
 
-__all__ = [
-    "JUMPS",
-    "NOTHING",
-    "ONE",
-    "Gains",
-    "SignalLaw",
-    "clipped",
-    "combined",
-    "constant",
-    "curved",
-    "inside",
-    "only_value",
-    "outward",
-    "over",
-    "plus",
-    "scaled",
-    "snapped",
-    "table_law",
-    "times",
-    "unknown",
-]
-
 NOTHING = Interval(0.0, 0.0)
 ONE = Interval(1.0, 1.0)
 

@@ -19,8 +19,6 @@ from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.symbolic.evaluation import bounds, has_value, specialise
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, TNORMS, Norm
 
-__all__ = ["Degrees", "Interval", "hedged", "joined", "membership_bounder", "widened"]
-
 SLACK = 4e-15
 """Share by which degrees are widened for the rounding of norms."""
 

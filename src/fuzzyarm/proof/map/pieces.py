@@ -45,8 +45,6 @@ from fuzzyarm.proof.map.straight import (
 )
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["Cell", "Cut", "PieceGrid", "Pieces", "TooManyPiecesError", "cut"]
-
 MOST_PIECES = 2_000_000
 """Simplices of one cut."""
 

@@ -33,8 +33,6 @@ from fuzzyarm.proof.map.place_bounds import TIE, Humps
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import TNORMS
 
-__all__ = ["Places", "humps_of_numbers", "places"]
-
 Placed = tuple[Humps, Array]
 """The humps, and a lower bound of the greatest height."""
 

@@ -48,8 +48,6 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.map.boxes import Boxes
     from fuzzyarm.table import LookupTable
 
-__all__ = ["Prover", "QuotientProblem", "written"]
-
 Make = Callable[[Surface], Quotients]
 
 Box = tuple[tuple[Fraction, Fraction], ...]

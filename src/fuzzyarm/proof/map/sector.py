@@ -30,8 +30,6 @@ from fuzzyarm.proof.map.pieces import Cut, PieceGrid, cut
 from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
 from fuzzyarm.proof.map.surface import Surface
 
-__all__ = ["NoSectorError", "Sector", "Slopes", "form_text", "sector", "slopes_at"]
-
 Form = Mapping[str, float | Fraction]
 """Weights of the inputs in a sum."""
 

@@ -24,17 +24,6 @@ from fuzzyarm.language.model.rulebase import And, Expression, Hedge, Hedged, Is,
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = [
-    "NotStraightError",
-    "Proposition",
-    "Straight",
-    "StraightAntecedent",
-    "StraightRule",
-    "height_at",
-    "straight",
-    "with_fixed",
-]
-
 Corners = tuple[tuple[Fraction, Fraction], ...]
 
 

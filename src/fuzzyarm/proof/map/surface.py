@@ -43,8 +43,6 @@ from fuzzyarm.proof.map.straight import Straight, StraightAntecedent
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table.axis import TableHeader
 
-__all__ = ["Surface", "TableValues"]
-
 MOST_COEFFICIENTS = 3_000
 """Of one polynomial; a matrix of them squared goes from values to coefficients."""
 

@@ -16,8 +16,6 @@ from fuzzyarm.proof.stop import Stop
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
-__all__ = ["cell_errors", "table_proof"]
-
 SECONDS = 10.0
 """How long a proof of one table may take before the error is only sampled."""
 

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from fuzzyarm.inference.trace import Trace
     from fuzzyarm.language.statements import ProveNode
 
-__all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
-
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
 _IN_EXACT_ARITHMETIC = "in exact arithmetic, by less than the rounding of inference"

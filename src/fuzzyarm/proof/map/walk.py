@@ -60,8 +60,6 @@ from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 from fuzzyarm.symbolic.sources import CHOICE, Chosen, Setting
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Asked", "AxisLines", "LineWalk", "source_name"]
-
 BOXES_SECONDS = 2.0
 """How long the range of one rule base may take that goes by boxes: its bounds only get closer."""
 

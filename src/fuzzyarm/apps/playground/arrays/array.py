@@ -16,11 +16,6 @@ from typing import Any
 
 from fuzzyarm.apps.playground.arrays.kinds import DTYPES, DType, bool_, dtype, float32, promoted
 
-__all__ = [
-    "array_of", "broadcast_shapes", "broadcast_to", "elements", "kind_of", "made", "ndarray", "one",
-    "operate", "single",
-]  # fmt: skip
-
 _BY_CODE = {data_type.code: data_type for data_type in DTYPES}
 FLOAT, WHOLE, BOOL, OBJECT = dtype(float), dtype(int), dtype(bool), dtype(object)
 

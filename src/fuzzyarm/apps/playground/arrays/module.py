@@ -21,8 +21,6 @@ from typing import Any
 
 from fuzzyarm.base.errors import FuzzyarmError
 
-__all__ = ["MissingNumPyError", "install", "stand_in"]
-
 
 class MissingNumPyError(FuzzyarmError, AttributeError):
     """Something of NumPy that this page does not have."""

@@ -21,8 +21,6 @@ from fuzzyarm.apps.playground.arrays.array import (
     ndarray,
 )
 
-__all__ = ["Generator", "default_rng"]
-
 _MASK32, _MASK64, _MASK128 = 2**32 - 1, 2**64 - 1, 2**128 - 1
 _MULTIPLIER = 0x2360ED051FC65DA44385DF649FCCF645
 

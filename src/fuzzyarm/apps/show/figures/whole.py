@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.map import Verdict
     from fuzzyarm.table import LookupTable
 
-__all__ = ["model_figure"]
-
 
 def model_figure(
     model: RuleBase | LookupTable | ControllerText,
