@@ -1,3 +1,3 @@
-"""Which fuzzyarm this is; at the bottom, since files of every kind say what made them."""
+"""The version of fuzzyarm; at the bottom, since files of every kind name their origin."""
 
 __version__ = "0.1.0"

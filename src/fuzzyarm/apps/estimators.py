@@ -1,6 +1,6 @@
 """Estimators of scikit-learn whose model is a rule base that a person can read.
 
-``FuzzyRegressor().fit(X, y).rulebase_`` is the model, ``text_`` its file. They stand in
+``FuzzyRegressor().fit(X, y).rulebase_`` is the model, ``text_`` its file. They are written in
 pipelines, grid searches and cross-validations like every other estimator, and do the same as
 ``fuzzyarm fit``.
 """
@@ -32,7 +32,7 @@ Array = NDArray[Any]
 
 
 class _FuzzyModel(BaseEstimator):
-    """What both estimators share: parameters, options, names of the inputs."""
+    """Shared by both estimators: parameters, options, names of the inputs."""
 
     def __init__(
         self,
@@ -119,7 +119,7 @@ class FuzzyRegressor(RegressorMixin, _FuzzyModel):
     text_ : str
         Its file.
     fit_ : Fit
-        What is known of it: errors, candidates, support of the rules.
+        Quality: errors, candidates, support of the rules.
     n_features_in_, feature_names_in_
         As everywhere in scikit-learn.
 
@@ -216,7 +216,7 @@ class FuzzyClassifier(ClassifierMixin, _FuzzyModel):
     text_ : str
         Its file.
     fit_ : Fit
-        What is known of it: errors, candidates, support of the rules.
+        Quality: errors, candidates, support of the rules.
     classes_ : ndarray
         The classes.
     n_features_in_, feature_names_in_

@@ -70,7 +70,7 @@ class Assignment:
     folder : Path
         Where it lies.
     lines : tuple of HiddenLine
-        What is demanded, in order.
+        Demands, in order.
     submissions : tuple of Path
         Files, in the order of their names.
     """

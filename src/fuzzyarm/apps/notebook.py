@@ -49,7 +49,7 @@ def html_of_drawing(drawing: RenderableType) -> str:
 def _parts(drawing: RenderableType) -> Iterator[str]:
     from rich.console import Group
 
-    # What stands between two tables is drawn together, in one <pre>.
+    # Lines between two tables are drawn together, in one <pre>.
     waiting: list[RenderableType] = []
     for part in drawing.renderables if isinstance(drawing, Group) else [drawing]:
         if isinstance(part, HeatGrid | Group):
@@ -189,7 +189,7 @@ def _by_class(
     return None
 
 
-# --- What each value shows ---
+# --- Views of values ---
 
 
 def _rulebase(rulebase: AnyRuleBase) -> str:

@@ -53,11 +53,7 @@ def installed_program(name: str) -> str | None:
 
 
 def _clone() -> tuple[Path | None, bool]:
-    """Return the source folder, and whether it is installed in development mode.
-
-    Then ``-e`` is needed: without it pip would install a copy, and edits of the clone would have no
-    effect.
-    """
+    """Return the source folder, and whether it is installed in development mode (``pip -e``)."""
     source = Path(__file__).resolve().parents[3]
     if _has_project(source):
         return source, True

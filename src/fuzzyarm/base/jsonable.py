@@ -6,7 +6,7 @@ a named tuple as an object instead of a list, is said above the class::
     @json_properties("property=statement verdict seconds lower? file=source.path")
 
 Each word is a field, a property, or a method without parameters; ``name=`` gives it another name,
-dots lead into records, and with ``?`` it is left out where it is None or empty. ``*`` stands for
+dots lead into records, and with ``?`` it is left out where it is None or empty. ``*`` means
 all fields, from which ``-name`` takes one. ``tools/make_schemas.py`` makes JSON Schemas of the
 same lines, with the types and the words of the classes.
 """
@@ -124,7 +124,7 @@ def jsonable(data: Any, words: str = "", infinite: Callable[[float], Any] = lamb
     words : str
         Properties of the records, instead of their own.
     infinite : callable
-        What stands for an infinite number.
+        The replacement of an infinite number.
 
     Returns
     -------

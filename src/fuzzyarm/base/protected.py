@@ -14,10 +14,7 @@ _Identity = str | tuple[int, int]
 
 
 class _Notes:
-    """Files read and files to be written by a command.
-
-    `force`: whether it may replace files not written by fuzzyarm.
-    """
+    """Files read and to be written by a command; with `force` it may replace files of others."""
 
     def __init__(self, *, force: bool) -> None:
         self.force = force
@@ -155,7 +152,7 @@ def is_made(data: bytes) -> bool:
 
 
 def source_in(data: bytes) -> str:
-    """Return the file that an exported text was made of, as its head says; else nothing."""
+    """Return the source file named in the head of an exported text; else nothing."""
     found = re.search(rb"^\W*source: (.+)$", data[:_ENDS], re.MULTILINE)
     return found[1].decode(errors="replace").strip() if found else ""
 

@@ -205,7 +205,7 @@ def load_controller(
     raise WrongKindError(os.fspath(path), found, f"fuzzyarm.{reader} reads it")
 
 
-# --- What a command is given ---
+# --- Arguments of commands ---
 
 
 def load_sheet(path: str) -> RuleBase | LookupTable:
@@ -500,10 +500,7 @@ def _position(finding: Diagnostic) -> tuple[object, str]:
 def _of_controller(
     model: ControllerModel, parsed: Parsed, path: str, on: PlantOf | None
 ) -> tuple[list[Diagnostic], list[Diagnostic]]:
-    """Return the errors of a controller and its files, and the findings that may be silenced.
-
-    Of a text with mistakes they are those of its sound part: none follows from another mistake.
-    """
+    """Return the errors of a controller and its files, and the findings that may be silenced."""
     from fuzzyarm.control.controllers.findings import doubts_of, sound_part
     from fuzzyarm.control.controllers.text import home_of, used_files, with_files
 

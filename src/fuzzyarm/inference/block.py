@@ -1,6 +1,6 @@
 """The block: the numbers of a rule base in the memory from which the kernel reads them.
 
-Everything stands in one array of floats, so that one array is all there is to hand over; parts of
+Everything is in one array of floats, so that a single array is handed over; parts of
 it are read as whole numbers. In the order of memory:
 
 ====================  =======================================================================
@@ -74,7 +74,7 @@ RANGE = 4
 OUTPUT_RANGE = 4
 """Floats of an output: low, high, value where no rule fires, centre of the moments.
 
-Where the defuzzifier finds the value itself, the last says which number is wanted: of
+Where the defuzzifier finds the value itself, the last selects the number: of
 :mod:`.positions` one of its names; of :mod:`.type_reduction_kernel` -1 for the left end of a
 centroid, 1 for the right one, 0 for both.
 """
@@ -131,7 +131,7 @@ class Layout(NamedTuple):
     rows, samples : int
         How many rows the kernel works in, and how long the row of samples has to be.
     marks : tuple of TermNumbers
-        Of a loose layout: where the numbers of each term stand.
+        Of a loose layout: positions of each term's numbers.
     searches : tuple
         Of the interpreted kernel: plain Python that it calls, alive as long as the layout is.
     """
@@ -146,7 +146,7 @@ class Layout(NamedTuple):
 
 
 class TermNumbers(NamedTuple):
-    """Where the numbers of a term stand in a loose layout.
+    """Positions of a term's numbers in a loose layout.
 
     Attributes
     ----------

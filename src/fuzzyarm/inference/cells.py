@@ -111,7 +111,7 @@ def cut_into_cells(
             }
             parts = [(edge, constants), (math.nextafter(edge, math.inf), cell)]
         for start, lines_here in parts:
-            # Values in front of the range do not occur; a corner may stand on the float behind
+            # Values in front of the range do not occur; a corner may be the next float
             # another that has a cell of its own. The end of the range has one where the lines in
             # front of it would round otherwise there.
             if start <= low or start == edges[-1]:
@@ -124,7 +124,7 @@ def cut_into_cells(
 
 
 def _lag(shares: list[float], count: int) -> float:
-    """Return how far edges stand from the left end of their bucket, in widths of the range."""
+    """Return the offsets of edges from the left end of their bucket, in widths of the range."""
     total = 0.0
     for share in shares:
         place = share * count

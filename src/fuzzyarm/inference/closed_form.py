@@ -1,7 +1,7 @@
 """Defuzzifiers of the kernel in closed form: the centroid of straight sets, and weighted values.
 
 Each adds up, for the points of a program, the area (or the weight) of the output in the row TOTAL
-and the moment about the centre in the row MOMENT. The heights of the groups stand in the rows from
+and the moment about the centre in the row MOMENT. The heights of the groups are in the rows from
 HEIGHTS on. The centroid is a sum over layers, whose area and moment are polynomials of the height
 to which a set is cut: see :mod:`fuzzyarm.inference.overlap`, which makes them.
 """
@@ -41,7 +41,7 @@ def closed_centroid(block: Any) -> None:
     count, width = k[COUNT], k[WIDTH]
     groups = k[k[GROUPS]]
     first = k[HEIGHTS] * width
-    # The rows of unions stand behind those of the groups; several overlaps may share one.
+    # The rows of unions follow those of the groups; several overlaps may share one.
     at = k[NEXT]
     unions = k[at]
     at += 1

@@ -62,7 +62,7 @@ class NotANumberError(InferenceError):
 
 
 class OutsideRangeError(InferenceError):
-    """A value outside the range of a variable that says ``outside error``.
+    """A value outside the range of a variable with ``outside error``.
 
     Attributes
     ----------

@@ -44,7 +44,7 @@ UPPER, LOWER = 0, 1
 
 
 class Doubled(NamedTuple):
-    """A rule base in which each interval stands as its two ends.
+    """A rule base with each interval as its two ends.
 
     Attributes
     ----------

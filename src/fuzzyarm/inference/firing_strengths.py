@@ -4,7 +4,7 @@ Each twice, over the rows of a program and at one point; a number is joined, wei
 the same functions, in the same order, so the bits are the same. A **group** is a set with the rules
 that assert it in a cell; its height is folded from their strengths.
 
-A rule is a stretch of whole numbers: its norm, where its weight and its threshold stand in the
+A rule is a stretch of whole numbers: its norm, the positions of its weight and threshold in the
 floats, and the row of each operand (see :mod:`fuzzyarm.inference.block`).
 """
 
@@ -165,7 +165,7 @@ def _fired(k: Any, f: Any, room: Any, rule: int, operands: int) -> float:
 
 @kernel
 def is_joined(norm: int, row: int) -> bool:
-    """Whether an operand is one, and does not stand for those that a rule has fewer than others.
+    """Whether an operand is a real one, not the filler of a rule shorter than others.
 
     The kernel's own norms leave the bits of an operand joined with a neutral one.
     """
@@ -226,7 +226,7 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
 @kernel
 def join(norm: int, a: Any, b: Any, into: Any) -> None:
     """Take the norm of two rows; `into` may be one of them."""
-    # The choice stands outside the loops: inside it would keep them from being vectorised.
+    # The choice is outside the loops: inside it would prevent their vectorisation.
     if norm == MIN:
         for point in range(into.shape[0]):
             into[point] = min(a[point], b[point])

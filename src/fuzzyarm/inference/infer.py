@@ -77,7 +77,7 @@ def infer(
     Returns
     -------
     dict of str to float or ndarray of float64
-        Every output, or those wanted, by name: floats where all inputs are scalars, else
+        Every output, or the selected ones, by name: floats where all inputs are scalars, else
         arrays of the broadcast shape. Series, DataFrames and DataArrays where inputs are, with
         their index, or their dims and coordinates. For `inputs` in a DataFrame or a Dataset a
         DataFrame or a Dataset of the outputs. NaN only where the file states it

@@ -140,7 +140,7 @@ def array_in_range(variable: Variable, array: NDArray[np.float64]) -> NDArray[np
 
 
 def stands_in_for_nan(output: Output) -> bool:
-    """Whether the value for no rule also stands in where a formula has none.
+    """Whether the value for no rule also replaces that of a formula without one.
 
     That is so where it is held, or NaN itself: such an output may be without a value.
     """

@@ -1,6 +1,6 @@
 """The kernel: a rule base as numbers, evaluated at one point or at many.
 
-All that it reads and writes stands in one array of floats, the **block**, whose picture is in
+It reads and writes one array of floats, the **block**, whose picture is in
 :mod:`fuzzyarm.inference.block`. Every input finds its cell between the corners of its terms; the
 cells together name a **program**, which lists the rules that can fire there and the integrals.
 So nothing is searched, and the cost grows with the rules that fire, not with the rules. Points are
@@ -10,14 +10,14 @@ processor takes several at a time.
 What a program does with a row beside min, max, product and sum (other norms, curved terms,
 the defuzzifiers) it calls by address.
 
-A closed loop asks for one point at a time, millions of times. There two thirds of the work would be
+A closed loop evaluates single points, millions of times. There two thirds of the work would be
 to find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
-number. What is added and multiplied, in which order, stands in functions that both walks share
+number. The order of sums and products is in functions that both walks share
 (`bucket_of`, `on_line` and `settled` here, `weighed` of :mod:`.firing_strengths`, `layer_area` and
 `layer_moment` of :mod:`.closed_form`), and the bits are the same; norms beside the four, curved
-terms, expressions in parentheses and the other defuzzifiers are asked with rows of length one.
+terms, expressions in parentheses and the other defuzzifiers are called with rows of length one.
 
-Neither walk stands in for the other. With 49 rules (pd7) and random points, each called from C: a
+Neither walk replaces the other. With 49 rules (pd7) and random points, each called from C: a
 point takes 54 ns by `evaluate` and 149 by `sweep` with room for one; of 100,000 points one takes 10
 ns by `sweep` and 54 by `evaluate`. With the Gaussian terms of a weighted average it is 161 and 244,
 46 and 162; where integrals or Karnik and Mendel's steps are nearly all of the work the two differ
@@ -162,7 +162,7 @@ def is_grid(block: Any) -> bool:
 def evaluate(block: Any) -> None:
     """Evaluate the one point in a block that has room for one; ``k[MISSING]`` outputs are NaN then.
 
-    Its rows are one number long: the number of a row is where it stands.
+    Its rows are one number long: the number of a row is its position.
     """
     k = whole_numbers(block)
     f = block[k[FLOATS] :]
@@ -259,7 +259,7 @@ def sweep(block: Any) -> None:
 def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
     """Bring points of one program together; those without a program go to the front.
 
-    A counting sort. Afterwards the points of program p stand in front of ``ends[p + 1]``,
+    A counting sort. Afterwards the points of program p end before ``ends[p + 1]``,
     behind those of the program before.
     """
     width = k[WIDTH]
@@ -520,7 +520,7 @@ def mean_of(centre: float, moment: float, total: float) -> float:
 #
 # Each adds up, for the points of a program, the area (or the weight) of the output in the
 # row TOTAL and the moment about the centre in the row MOMENT. The heights of the groups
-# stand in the rows from HEIGHTS on.
+# are in the rows from HEIGHTS on.
 
 
 @kernel
@@ -533,7 +533,7 @@ def at_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, f
 def point_by_point(block: Any) -> None:
     """Call `at_point`, as bound, at each point, see :mod:`fuzzyarm.inference.programs`.
 
-    Behind the work rows stands a heap for the numbers of one point, which fits into the
+    After the work rows comes a heap for the numbers of one point, which fits into the
     nearest cache.
     """
     k, f, room, total, moment = parts_of(block)

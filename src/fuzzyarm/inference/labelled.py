@@ -79,7 +79,7 @@ def by_name(inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
 
 
 def _call_by_name(inputs: Any, names: Sequence[str]) -> str:
-    """Return the arguments by name that positional values stand for."""
+    """Return positional values as arguments by name."""
     values = list(inputs) if isinstance(inputs, list | tuple) else [inputs]
     shown = [repr(v) if isinstance(v, int | float) else "…" for v in values[: len(names)]]
     shown += ["…"] * (len(names) - len(shown))

@@ -346,7 +346,7 @@ class _Writer:
         """Write the programs, or take over those of a layout that differs in its floats only.
 
         They are nearly all of the work, and contain only positions: where the same terms meet
-        in the same cells, and the same numbers of them stand in the same places, they are equal.
+        in the same cells, and the same of their numbers have the same positions, they are equal.
         So a rule base whose terms are moved a little, as in tuning, costs a fraction.
         """
         first = len(self.whole)

@@ -231,7 +231,7 @@ def _greatest_on_lines(plan: OutputPlan, fired: Fired, x0: float, x1: float) -> 
 
 
 def _ends_of_line(member: Member, strength: float, x0: float, x1: float) -> tuple[float, float]:
-    """Return what a cut set that is one line (or nearly so) in a cell tends to at its ends.
+    """Return the limits of a cut set at the ends of a cell where it is one line (or nearly so).
 
     From two positions inside: at the ends the set, or its implication, may jump.
     """

@@ -1,6 +1,6 @@
 """The part of an output in a layout: its head, and the tables of its defuzzifier.
 
-The picture of each stretch of numbers stands in the module of the kernel that reads it:
+The picture of each stretch of numbers is in the module of the kernel that reads it:
 :mod:`.closed_form`, :mod:`.centroid_kernel`, :mod:`.quadrature_kernel`, :mod:`.positions`,
 :mod:`.type_reduction_kernel`.
 """
@@ -74,7 +74,7 @@ class Base(Protocol):
     whole, floats : list
         The numbers so far.
     marks : list of TermNumbers
-        Where the numbers of terms stand.
+        Positions of the numbers of terms.
     searches : list of SearchedMaxima
         Plain Python that the interpreted kernel calls.
     operands : int
@@ -157,7 +157,7 @@ class OutputWriter:
     plan : OutputPlan
         The output.
     head : int
-        Where its head stands among the whole numbers.
+        Position of its head among the whole numbers.
 
     Attributes
     ----------
@@ -291,7 +291,7 @@ class OutputWriter:
         return self.plan.sides[member] if self.plan.sides else UPPER
 
     def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
-        """Note where the numbers of a consequent without hedges stand in a loose layout."""
+        """Record the positions of an unhedged consequent's numbers in a loose layout."""
         term_member, output = self.plan.members[member], self.plan.output
         if self.loose and not term_member.hedges:
             counted, scaled = self.consequents[member], term_member.implication == "product"

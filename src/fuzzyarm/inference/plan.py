@@ -64,7 +64,7 @@ class Member(NamedTuple):
     pieces : tuple of Piece
         The set over the range of the output; empty for values.
     value : float or None
-        The number that stands for the consequent: of a singleton, or the middle of a
+        The representative number of the consequent: of a singleton, or the middle of a
         core under a weighted defuzzifier. None where it depends on the inputs, and for
         sets that are integrated.
     formula : Formula or None
@@ -157,7 +157,7 @@ class Plan(NamedTuple):
     outputs : dict of str to OutputPlan
         By name, in the order of the model.
     steps : tuple of int or str
-        An index stands for a rule, a name for the defuzzification of an output.
+        An index means a rule, a name the defuzzification of an output.
     readings : tuple of tuple of int
         For each rule as given the indices of its upper and lower reading; of type 1 its own.
     """

@@ -97,9 +97,9 @@ whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
 def chosen_among(
     k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int, next_to: int
 ) -> tuple[float, float]:
-    """Return something above 0 where a height is, and the position that is asked for.
+    """Return something above 0 where a height is, and the requested position.
 
-    Samples stand next to each other (1): there is no gap between two. Values do not (0).
+    Samples are adjacent (1): there is no gap between two. Values are not (0).
     """
     way = way_of(k, f)
     if way == HALF:
@@ -176,7 +176,7 @@ def greatest_of(
             last = positions[i]
             if among == 0.0:
                 first = nearest = last
-                if way_of(k, f) == FIRST:  # the others are not asked for
+                if way_of(k, f) == FIRST:  # the others are not requested
                     break
             if abs(last) < abs(nearest):
                 nearest = last
@@ -234,7 +234,7 @@ def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tup
 #     area    (b - x) (y + z) / 2
 #     moment  (b - x) (x (2 y + z) + b (y + 2 z)) / 6   about 0
 #
-# In the heap stand four rows, each two longer than there are groups: shares of the way to the next
+# The heap has four rows, each two longer than there are groups: shares of the way to the next
 # sample, degrees of a set there, its cut, heights of the union.
 
 
@@ -596,7 +596,7 @@ def insert_value(values: Any, heights: Any, count: int, value: float, height: fl
 def found_value(
     block: Any, k: Any, f: Any, heap: Any, consequent: int, strength: float, point: int
 ) -> float:
-    """Return the number that a consequent stands for at a point and a strength."""
+    """Return the representative number of a consequent at a point and a strength."""
     sort, own = k[consequent + SORT], k[consequent + OWN_AT]
     value: float = f[own]
     if sort == LINEAR:

@@ -42,7 +42,7 @@ known: dict[int, Prepared] = {}
 """The last few, by the identity of the rule base; the oldest first."""
 
 at_point: dict[int, Callable[[Any], dict[str, float] | None]] = {}
-"""Kernels at a point, of those in `known` that were asked for one: from inputs by name to outputs
+"""Point kernels of those in `known` that have one: from inputs by name to outputs
 by name; None for points without an ordinary value."""
 
 _turn = lock()

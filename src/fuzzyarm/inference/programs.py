@@ -26,7 +26,7 @@ class DefuzzifierProgram(NamedTuple):
     Attributes
     ----------
     where : str
-        Module and name of its function, which is loaded where it is wanted.
+        Module and name of its function, imported on first use.
     reads : str
         Its tables in a layout: a method of
         :class:`fuzzyarm.inference.output_layout.OutputWriter`.

@@ -250,7 +250,7 @@ def halve(
 ) -> tuple[float, float, float, float]:
     """Halve panels until the halves agree with the whole; return area and moment of all.
 
-    Only up to the panel in which the area reaches `wanted`: then the area in front of it, and its
+    Only up to the panel in which the area reaches `wanted`: then the area before it, and its
     ends. They are equal, the end of the range, where it is never reached.
     """
     budget = constants[MOST_PANELS]

@@ -101,7 +101,7 @@ def curved_row(
         root = replace(degree_formula(shape), {POSITION: symbol("x")})
     else:
         kind = SHAPES[shape.kind]
-        # Numbers are arguments, so that bells share one function wherever they stand.
+        # Numbers are arguments, so that all bells share one function.
         parameters = [number(value) for value in shape.parameters]
         root = replace(kind.expression, dict(zip(kind.symbols[1:], parameters, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
@@ -194,7 +194,7 @@ def corners_row(x: Any, corners: Any, into: Any) -> None:
 
 @kernel
 def hedged_corners_row(x: Any, numbers: Any, into: Any) -> None:
-    """Do the same and apply hedges, whose address stands as a whole number before the corners."""
+    """Do the same and apply hedges; their address is a whole number before the corners."""
     corners = numbers[1 : numbers.shape[0]]
     for point in range(into.shape[0]):
         into[point] = degree_on_corners(corners, x[point])

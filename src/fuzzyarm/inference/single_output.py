@@ -34,7 +34,7 @@ class OutputLayout(NamedTuple):
     Attributes
     ----------
     whole, floats : list
-        Numbers of the defuzzifier. Behind the head and the output stand the groups, which list no
+        Numbers of the defuzzifier. After the head and the output come the groups, which list no
         rules.
     program : DefuzzifierProgram
         The defuzzifier.
@@ -75,7 +75,7 @@ def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
 
 
 class _OneOutput:
-    """The base of an output that stands alone: no inputs, no rules."""
+    """The base of an output alone: no inputs, no rules."""
 
     def __init__(self, plan: Plan, output: OutputPlan, addresses: Addresses) -> None:
         self.plan, self.output, self.addresses = plan, output, addresses

@@ -1,7 +1,7 @@
 """The kernel with the numbers of one stage of a rule base, at a point.
 
 At an ordinary point the kernel alone gives the outputs. It writes NaN where an output has no value,
-is outside a range that forbids it, or no rule fires; only then is asked which of these it is, and
+is outside a range that forbids it, or no rule fires; only then the cause is looked up, and
 the held value, or an error that names the output, takes its place.
 """
 
@@ -226,10 +226,7 @@ class _Judge:
         self._outputs = stage.rulebase.outputs
 
     def found(self, columns: Sequence[float]) -> list[float | None]:
-        """Return each output before it is brought into its range.
-
-        None where no rule fires; NaN where one fires and nothing comes out.
-        """
+        """Return the unlimited outputs: None where no rule fires, NaN without a value."""
         with self._turn:
             found: list[float | None] = [*self._evaluated(columns, at.EXTEND, math.nan)]
             if not any(math.isnan(value) for value in found if value is not None):

@@ -81,7 +81,7 @@ class RuleTrace:
     block : str
         Name of its block, maybe empty.
     line, column : int
-        Where it stands in the file, from 1; of a grid its cell.
+        Position in the file, from 1; of a grid its cell.
     text : str
         The rule in words.
     weight : float
@@ -112,7 +112,7 @@ class RuleTrace:
 
 def place_of(number: int, line: int, column: int) -> str:
     """Return the name of a rule: its line and column, or its number where it has no text."""
-    # No rule stands at the first character of a file: one that was made in Python has that place.
+    # No rule is at the first character of a file: that position marks one made in Python.
     return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
 
 
@@ -128,7 +128,7 @@ class ConsequentTrace:
     strength : float
         Of its rules under the aggregation.
     value : float or None
-        The number that stands for it, under a weighted defuzzifier and for singletons.
+        Its representative number, under a weighted defuzzifier and for singletons.
     curve : tuple of (float, float)
         The set cut at `strength`, as corners to be joined by straight lines (two at one
         position for a vertical edge); empty for a value.
@@ -157,7 +157,7 @@ class OutputTrace:
     low, high : float
         Its range; an end may be infinite.
     method : str
-        The defuzzifier, as it would stand in a file.
+        The defuzzifier, as written in a file.
     fired : bool
         Whether any rule fired; otherwise `value` is the stated default or the held value.
     consequents : tuple of ConsequentTrace

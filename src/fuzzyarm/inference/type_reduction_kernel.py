@@ -21,7 +21,7 @@ envelopes of straight sets, integrals of curved ones) is what the defuzzifiers o
 of all.
 
 Every defuzzifier gives something above 0 where there is a value, and the value itself: the end
-that the last of the output's floats asks for, -1 the left one, 1 the right one, 0 what is made of
+that the last of the output's floats selects: -1 the left one, 1 the right one, 0 what is made of
 both. Nie and Tan's give area and moment.
 
 References
@@ -106,7 +106,7 @@ def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float
 
 # A point goes the same way in all of Karnik and Mendel's below: write down the upper set (side 0)
 # and the lower one (side 1) of what fired, start at the centroid of both, reach the ends that are
-# asked for. An end costs up to five passes, so that one that is not asked for is left out.
+# requested. An end costs up to five passes, so that the other one is left out.
 
 
 @kernel
@@ -151,7 +151,7 @@ def karnik_mendel_values(block: Any) -> None:
 
 @kernel
 def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the greatest weight of a point, and the end that is asked for.
+    """Return the greatest weight of a point, and the requested end.
 
     Of each pair there are four rows: upper and lower weight, and two values.
     """
@@ -186,7 +186,7 @@ def value_of_pairs(k: Any, f: Any, heap: Any, pairs: int) -> float:
 
 @kernel
 def wanted_end(k: Any, f: Any) -> float:
-    """Return which end is asked for: -1 the left one, 1 the right one, 0 both."""
+    """Return the requested end: -1 the left one, 1 the right one, 0 both."""
     end: float = f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1]
     return end
 
@@ -219,7 +219,7 @@ def value_of(block: Any, k: Any, f: Any, at: int, point: int) -> float:
 
 @kernel
 def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the greatest height of a point, and the end that is asked for."""
+    """Return the greatest height of a point, and the requested end."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     wanted = wanted_end(k, f)
@@ -274,7 +274,7 @@ def nie_tan_samples(block: Any) -> None:
 
 @kernel
 def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the area below both envelopes of a point, and the end that is asked for."""
+    """Return the area below both envelopes of a point, and the requested end."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     wanted = wanted_end(k, f)
     centre = 0.5 * (f[numbers] + f[numbers + 1])
@@ -314,7 +314,7 @@ def sum_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[
 
 @kernel
 def ends_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the area of both sets of a point, and the end that is asked for."""
+    """Return the area of both sets of a point, and the requested end."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     wanted = wanted_end(k, f)
     centre = 0.5 * (f[numbers] + f[numbers + 1])

@@ -127,7 +127,7 @@ class Scope:
     def unknown(
         self, finding: str, what: str, name: str, span: Span, choices: Iterable[str], new: str = ""
     ) -> None:
-        """Report an unknown name; `new` says how to declare it."""
+        """Report an unknown name; `new` has the way to declare it."""
         options = list(choices)
         hint, replacement = "", None
         if len(self.diagnostics) < _MOST_HINTS:

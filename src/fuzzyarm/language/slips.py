@@ -35,7 +35,7 @@ _FUNCTIONS = "abs|atan2?|cl[ai]m?p|cos|exp|floor|limit|log|max|min|pow|round|sat
 
 
 class Correction(NamedTuple):
-    """What is wrong with a line of `statements`, of any without them, and how it is rewritten.
+    """A mistake in a line of `statements`, or of any statement, and its correction.
 
     ``row`` and ``header`` are the lines of a grid, ``-`` is a line that starts like no statement.
     Strings and comments stay as they are unless the `whole` line is to be matched.
@@ -159,7 +159,7 @@ _SPACE = Correction(
     "  ",
 )
 _COMMAS = ((), (_POINT,), (_SPACE,), (_POINT, _SPACE))
-"""What a comma may mean, as it is tried."""
+"""Meanings of a comma, in the order of trial."""
 
 # --- Lines that need more ---
 
@@ -193,7 +193,7 @@ EXAMPLES = {
     'a unit is written in double quotes, as in  gain k = 4.5 "V"': (
         "gain k = 4.5 V", "gain k = 16 1/s"),
 }  # fmt: skip
-"""By sentence, up to a colon or a comma, and hint; a name or a number stands for any."""
+"""By sentence, up to a colon or a comma, and hint; a name or a number matches any."""
 
 State = tuple[str, ...]
 
@@ -302,10 +302,7 @@ _ENDING = re.compile(r"(?i)^\s*(?:end\w*|[{}]+)\s*[;.]?\s*$")
 
 
 def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
-    """Return a readable form of a line, and its mistake; None if there is none.
-
-    None also where the finding itself has all that is to be changed.
-    """
+    """Return a readable form of a line, and its mistake; None if there is none left to fix."""
     line = lines[number - 1]
     if len(line) > _LONGEST:
         return None

@@ -748,7 +748,7 @@ CONTROLLER = StatementKind(
     ),
     outline="controller",
 )
-"""The heading below which the statements of :mod:`fuzzyarm.language.controllers` stand.
+"""The heading of the statements of :mod:`fuzzyarm.language.controllers`.
 
 It is here so that a rule base is read without them.
 """

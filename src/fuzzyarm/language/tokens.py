@@ -435,7 +435,7 @@ class Cursor:
         return Figure(value, span)
 
     def _hole_for(self, what: str) -> Figure:
-        """Note a word in the place of a number, and skip it; a fault where there is no word."""
+        """Record a word in place of a number, and skip it; an error if there is none."""
         token = self.peek()
         try:
             self.fail(what)

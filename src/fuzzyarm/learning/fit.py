@@ -353,10 +353,7 @@ def _found(
     *,
     judged: bool = False,
 ) -> _Way:
-    """Return a structure with moved terms for samples.
-
-    With `judged` it is for the judgement, where a partial result is useless.
-    """
+    """Return a structure with moved terms for samples; with `judged` no partial result."""
     few = _searched(samples)
     parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
     shrinkages = SHRINKAGES if options.shrinkage is None else (options.shrinkage,)

@@ -61,7 +61,7 @@ class ControlPlant(Plant):
     Raises
     ------
     PlantError
-        If the object is no such system, or an improper transfer function.
+        If the object is of another kind, or an improper transfer function.
     MissingExtraError
         If python-control is not installed.
 

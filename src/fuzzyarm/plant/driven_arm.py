@@ -70,7 +70,7 @@ FARTHEST = 60.0
 
 PACES = (15.0, 25.0)
 """Mean speeds of the longest part of a random move, degrees a second; the study's moves have 18 and
-22.5. Faster ones need more voltage than the motors have, and say nothing about a controller."""
+22.5. Faster ones need more voltage than the motors have, and show nothing of a controller."""
 
 UNLIMITED = (math.inf, math.inf)
 """The study's joints have no torque limits."""

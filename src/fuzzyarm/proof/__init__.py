@@ -8,7 +8,7 @@ map
 check
     The checker of certificates, which imports nothing of the search.
 claim
-    What is claimed of a loop, in words and as the loop that it is about.
+    Claims about a loop, in words and as the loop in question.
 loop
     A controller with its plant: regions that no run leaves, tubes, and their certificates.
 """

@@ -82,10 +82,7 @@ class StraightShape(NamedTuple):
         return values
 
     def _sloping_ends(self) -> tuple[int, int]:
-        """Return the first and the last line that are needed.
-
-        A line with its foot at an edge vanishes beyond it by itself.
-        """
+        """Return the first and last line needed: a line with its foot at an edge is not."""
         first, last = 0, len(self.between) - 1
         if last > 1:
             first += self.between[0].height == 0.0 and self._begins(1, 0)

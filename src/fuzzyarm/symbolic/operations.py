@@ -319,10 +319,7 @@ def _function(
     exact: bool = False,
     js: str = "",
 ) -> Operation:
-    """Return an operation printed as a call; `words` are its names in NumPy, Python, C and ST.
-
-    `js` is the name in JavaScript, if it differs from C.
-    """
+    """Return an operation printed as a call, named by `words` in NumPy, Python, C and ST."""
     array, python, c, st = words
     holes = ", ".join(f"{{{i}}}" for i in range(arity))
 

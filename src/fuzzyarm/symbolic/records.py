@@ -488,10 +488,7 @@ failures: list[str] = []
 
 
 def _load_entry_points() -> None:
-    """Import the modules of entry points, once in a process.
-
-    A failure does not affect the others: it is noted in `failures`.
-    """
+    """Import the modules of entry points, once in a process; a failure is noted in `failures`."""
     if _loaded:
         return
     # Noted before the import: a module that looks a kind up while loading comes back here.

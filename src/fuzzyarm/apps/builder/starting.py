@@ -251,7 +251,7 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
     text = [
         f"# {ground.purpose}, by the rules of {title}.",
         f"# Run it with `fuzzyarm simulate {typed(f'{name}.frb')} --plant {ground.plant}`.",
-        "# For another plant other ports stand behind `of` and `drive`, and gains fit its units.",
+        "# For another plant, write its ports after `of` and `drive`, and fit the gains.",
         f'controller {name_text(name)} "{title} on the plant {ground.plant}"',
         "",
         f"use {name_text(Path(file).stem)} from {quote(file, chr(34))}",

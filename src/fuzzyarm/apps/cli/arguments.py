@@ -107,10 +107,7 @@ def _of_position(field: RequestField) -> dict[str, Any]:
 
 
 def _reader(field: RequestField) -> Callable[[str], Any]:
-    """Return a converter for a word of the command line, with a message for wrong types.
-
-    Range errors are left to the request: they have another exit status.
-    """
+    """Return a converter for a word; range errors are left to the request (another exit status)."""
 
     def read(word: str) -> Any:
         try:

@@ -407,7 +407,7 @@ def _long_work() -> Iterator[Progress]:
 _QUIET = os.environ.get("FUZZYARM_PROGRESS") == "0"
 
 SOON = math.inf if _QUIET else 1.5
-"""Seconds until a command without a progress bar says what it is doing."""
+"""Seconds until a command without a progress bar names its work."""
 
 TOLD_EVERY = math.inf if _QUIET else 10.0
 """Seconds between two lines of progress without a progress bar."""

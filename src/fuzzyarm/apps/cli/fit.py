@@ -87,7 +87,7 @@ def _run(request: FitWords) -> int:
         print_error(sentence)
     if model.limits:
         print_error(broken_off(model.limits))
-        # The end of --time is no interruption: the status is that of a full run.
+        # The end of --time is not an interruption: the status is that of a full run.
         if "time" not in model.limits:
             return EXIT_INTERRUPTED
     return 1 if faults else 0

@@ -225,10 +225,7 @@ class _Watched:
                 yield snapshot
 
     def _every(self, points: int) -> int:
-        """Return the number of set points between two looks at a table.
-
-        Often enough for a film, else for Ctrl-C and the progress bar.
-        """
+        """Return the number of set points between two looks at a table, for a film or Ctrl-C."""
         request = self.request
         if request.every:
             return request.every

@@ -316,10 +316,7 @@ def _write_csv(results: list[Run], path: str) -> None:
 
 
 def _csv_columns(result: Run, *, constant_set_points: bool) -> dict[str, Any]:
-    """Return the columns of a file by heading, with units.
-
-    `constant_set_points`: held for several control periods, so set points are earlier than samples.
-    """
+    """Return the columns of a file by heading, with units."""
     units = {
         **{f"{label} wanted": result.output_units[label] for label in result.wanted},
         **result.output_units,

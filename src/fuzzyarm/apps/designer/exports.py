@@ -51,7 +51,7 @@ PART: FormField = {
     "enum": ["all", "terms", "surface"],
     "default": "all",
 }
-"""Which part of a rule base is drawn, as ``fuzzyarm plot --what`` says it."""
+"""Part of a rule base to draw, as in ``fuzzyarm plot --what``."""
 WAY: FormField = {
     "name": "way",
     "title": "Computed from",
@@ -60,7 +60,7 @@ WAY: FormField = {
     "enum": ["rules", "table"],
     "default": "rules",
 }
-"""What a program computes from: ``--direct`` or ``--table`` of ``fuzzyarm compile``."""
+"""Basis of a program: ``--direct`` or ``--table`` of ``fuzzyarm compile``."""
 LOSSY: FormField = {
     "name": "lossy",
     "title": "Lossy",
@@ -198,7 +198,7 @@ def making_on_page(session: Session, options: FormValues) -> Making:
     way = options.get("way")
     if way not in (None, *WAY["enum"]):
         raise FieldError(f"'{str(way)[:40]}' is not one of rules, table", field="way")
-    # Of a controller `direct` says nothing: its rule bases are inferred unless tables are wanted.
+    # `direct` is not for controllers: their rule bases are inferred unless tables are requested.
     values = {**options, "direct": way == "rules", "table": way == "table"}
     request = form_of(ExportRequest, **{**values, "file": Path(session.path).name})
     try:

@@ -18,7 +18,7 @@ LOG = logging.getLogger("fuzzyarm.apps.designer")
 
 
 class TextRefusedError(FuzzyarmError, ValueError):
-    """A text that cannot be run, drawn or tuned as asked."""
+    """A text that cannot be run, drawn or tuned as requested."""
 
 
 def error_of(error: Exception, doing: str) -> dict[str, Any]:

@@ -164,7 +164,7 @@ class Workspace:
         return (self.folder / name).read_bytes()
 
     def beside(self, name: str, suffix: str) -> Path:
-        """Return where a file of the folder stands that may be written."""
+        """Return the path of a file of the folder that may be written."""
         self._demand_folder()
         path = self.folder / demand_name(name)
         if not is_inside(path, self.folder):
@@ -220,7 +220,7 @@ class Workspace:
     # --- Questions of a page ---
 
     def answer(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        """Answer a question about the folder, or act on it; an error is told in words."""
+        """Answer a question about the folder, or act on it; an error becomes a sentence."""
         what = str(request.get("what"))
         if what not in _ACTS:
             return {"error": "unknown question"}

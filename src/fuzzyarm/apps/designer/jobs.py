@@ -45,14 +45,14 @@ MOST_KEPT, LARGEST_KEPT = 64, 200_000_000
 
 
 class StoppedError(FuzzyarmError, RuntimeError):
-    """The page wants no more of this work."""
+    """The page has cancelled this work."""
 
 
 class Folder(Protocol):
     """The files that a page may name."""
 
     def beside(self, name: str, suffix: str) -> Path:
-        """Return where a file of the folder stands that may be written."""
+        """Return the path of a file of the folder that may be written."""
 
     def listed(self, *suffixes: str) -> list[str]:
         """Return the names of the folder's files of some kinds."""
@@ -124,7 +124,7 @@ class WindowJob:
         self._loop = asyncio.get_running_loop()
         self._messages: Mailbox[dict[str, Any]] = Mailbox()
         self.stopped = False
-        self._paced = 0.0  # when the last paced word was told
+        self._paced = 0.0  # time of the last paced word
 
     @cached_property
     def plants(self) -> Plants:
@@ -151,7 +151,7 @@ class WindowJob:
         except StoppedError:
             return {"end": "stopped"}
         except (FuzzyarmError, OSError) as error:
-            field = getattr(error, "field", "")  # of the page, in which the mistake stands
+            field = getattr(error, "field", "")  # of the page, with the mistake
             return {"end": "failed", "message": in_words(error), "field": field}
         except BaseException as error:  # also SystemExit: the window must hear that it has ended
             words = internal_words(error, f"the work {getattr(work, '__name__', work)!r}")
@@ -191,7 +191,7 @@ class WindowJob:
                 return read_record(kind, message)
 
     def check(self) -> None:
-        """Raise `StoppedError` if the page wants no more."""
+        """Raise `StoppedError` if the page has cancelled."""
         if self.stopped:
             raise StoppedError("stopped")
 

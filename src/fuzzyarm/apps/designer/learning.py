@@ -87,7 +87,7 @@ def learn(session: Session, request: LearnWork, job: WindowJob) -> None:
 
 
 class TrainingWork:
-    """A training that a page asked for.
+    """A training for a page.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ class TrainingWork:
     # --- The training ---
 
     def run(self) -> None:
-        """Train until the page wants no more."""
+        """Train until the page cancels."""
         self._tell_begin()
         for snapshot in self._snapshots():
             self.last = snapshot
@@ -216,7 +216,7 @@ class TrainingWork:
             self._take(self.job.word(LearnWord))
 
     def _is_due(self, snapshot: Snapshot) -> bool:
-        """Whether it rests here: behind one pass, or behind as many as were asked for."""
+        """Whether it rests here: after one pass, or after the requested number."""
         if not snapshot.complete or snapshot.diverged is not None or self.mode == "stop":
             return False
         return self.mode == "step" or snapshot.passage >= self.limit
@@ -228,7 +228,7 @@ class TrainingWork:
         return self.trainee.snapshots(self.motion, MOST_PASSES, every)
 
     def _take(self, word: LearnWord) -> None:
-        """Do what the page says."""
+        """Obey the page."""
         if word.go is not None and self.mode != "stop":
             self.mode = word.go
         if word.speed is not None:

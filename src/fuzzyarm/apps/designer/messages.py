@@ -73,7 +73,7 @@ class LowerShape(SceneShape):
 
 
 class SceneTerm(SceneShape):
-    """A term; `marks` are the names under which its numbers stand."""
+    """A term; `marks` are the names of its numbers."""
 
     name: str
     at: Place
@@ -153,7 +153,7 @@ class GridRow(TypedDict):
 
 
 class SceneGrid(TypedDict):
-    """A grid of rules, as it stands in the text."""
+    """A grid of rules, as written in the text."""
 
     line: int
     output: str

@@ -22,7 +22,7 @@ _MARKS = re.compile(r'[<>:"/\\|?*]')
 
 
 class OutsideError(FuzzyarmError, ValueError):
-    """A file that is not in the folder, or a name that cannot stand there."""
+    """A file that is not in the folder, or an invalid name."""
 
 
 def demand_name(name: str) -> str:

@@ -202,7 +202,7 @@ class OpenFiles:
                 await window.tell(self._right(window, name))
 
     async def _return(self, name: str, writer: Window) -> None:
-        """Let a window write again that did before it was away; it is told when it has the text."""
+        """Let a returning window write again as before; it is notified once it has the text."""
         before = self._writers.get(name)
         self._writers[name] = writer
         if before not in (None, writer):
@@ -299,7 +299,7 @@ class OpenFiles:
         if what == "import":
             dropped = read_record(requests.Import, message)
             return await self._imported(dropped.name, _decoded(dropped.data))
-        if what == "convert":  # a file of another program that stands in the folder
+        if what == "convert":  # a file of another program in the folder
             name = read_record(requests.Convert, message).name
             return await self._imported(name, self.workspace.foreign_data(name))
         return self.workspace.answer(message)
@@ -358,7 +358,7 @@ class OpenFiles:
         window.files.add(name)
         before = shared.version
         if request.wrote and (request.epoch != shared.epoch or request.version == before):
-            await self._return(name, window)  # nobody has typed since it was away, or it is asked
+            await self._return(name, window)  # nobody has typed meanwhile, or it is to decide
         writes = self._writers.setdefault(name, window) is window
         if request.epoch == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(request.version)
@@ -410,7 +410,7 @@ class OpenFiles:
             await window.tell(late)
 
     async def _save(self, window: Window, request: requests.Save, _: dict[str, Any]) -> None:
-        """Save a file; a window that has asked with a number is answered."""
+        """Save a file; reply to a window that sent a number."""
         name, number = request.file, request.id
         shared = self.workspace.text(name)
         before, wrong = shared.version, ""

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.map import Verdict
 
 BUDGET = 60.0
-"""Seconds for each statement, where the form says none: a page is not left to itself for hours."""
+"""Default seconds for each statement: a page is not left to itself for hours."""
 
 
 def provable(session: Session, request: BareMessage, job: WindowJob) -> None:

@@ -305,7 +305,7 @@ class TablePage:
 
 @dataclass(frozen=True)
 class TableCell:
-    """Where a number of a table stands, by its indices."""
+    """The position of a number in a table, by its indices."""
 
     cell: tuple[int, ...]
 
@@ -367,7 +367,7 @@ class Import:
 
 @dataclass(frozen=True)
 class Convert:
-    """A file of another program that stands in the folder."""
+    """A file of another program in the folder."""
 
     name: str
 
@@ -427,7 +427,7 @@ class SurfaceWork:
     across : int
         Points along an axis.
     fired : bool
-        Whether the point is wanted too.
+        Whether to return the point too.
     """
 
     point: tuple[float, ...]
@@ -477,7 +477,7 @@ class RunWork:
     speed : float or None
         Simulated for real time; None is as fast as possible.
     calm : bool
-        Whether few pictures are wanted.
+        Whether to send few pictures.
     """
 
     form: FormValues = field(default_factory=dict)

@@ -56,14 +56,14 @@ from fuzzyarm.plant.setting import PLAIN
 from fuzzyarm.requests.experiment import ExperimentRequest
 
 PICTURES = 30.0
-"""In a second; a page that asks for calm gets fewer."""
+"""In a second; a page with reduced motion gets fewer."""
 
 CALM = 4.0
 BUDGET = 0.02
 """Of a picture's time so much may go into the loop, s."""
 
 MEASURED_EVERY, LONGEST_WAIT = 0.25, 2.0
-"""Metrics are told so often at most, and at least, s; between them as often as they cost little."""
+"""Shortest and longest time between metrics, s; between them by their cost."""
 
 OPEN_ENDED = 600_000
 """Set points of a run without a duration."""
@@ -93,7 +93,7 @@ class Running:
         self.plants = plants
 
     def __call__(self, session: Session, request: RunWork, job: WindowJob) -> None:
-        """Run until the page wants no more."""
+        """Run until the page cancels."""
         LiveRun(self.plants, session, request, job).go_on()
 
     def describe(self, session: Session, request: PlantsWork, job: WindowJob) -> None:
@@ -154,7 +154,7 @@ def is_rule_base(text: str, path: str) -> bool:
 
 
 def _is_in(controller: CompiledController, text: str) -> bool:
-    """Whether a controller stands in a text, which else is a rule base."""
+    """Whether a text is of a controller, not of a rule base."""
     return source_of(controller).source == text
 
 
@@ -258,7 +258,7 @@ class LiveRun:
             self._show()
             every = 1.0 / self.rate
             idle = self.paused or self.run.over
-            # A run that stands still waits for a word, and looks after the files it uses.
+            # A paused run waits for a word, and looks after the files it uses.
             pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
             for word in self.job.heard(RunWord, pause):
                 self._take(word)
@@ -379,7 +379,7 @@ class LiveRun:
         self.gains = {name: gain for name, gain in self.gains.items() if name not in declared}
 
     def _own_gains(self) -> Sequence[Any]:
-        """Return the gains that stand in the text: none, where it is a rule base."""
+        """Return the gains of the text: none for a rule base."""
         return source_of(self.controller).model.gains if _is_in(self.controller, self.text) else ()
 
     # --- The files that the controller uses ---
@@ -423,7 +423,7 @@ class LiveRun:
         period = motion.period * motion.every
         ends = motion.along or self.is_timed
         whole = self.run.count * period
-        # A run that is to stand somewhere is in view from its start to there.
+        # A run up to a point is in view from its start to there.
         far = self.until * period if self.until is not None else self._window(period)
         window = whole if ends else min(whole, far)
         self.window = math.ceil(window / period)
@@ -497,7 +497,7 @@ class LiveRun:
         return samples * self.motion.period * self.motion.every
 
     def _drawing(self) -> dict[str, Any] | None:
-        """Return the drawing of the plant; one that fails is not asked for again."""
+        """Return the drawing of the plant; one that fails is not tried again."""
         if not self.has_drawing:
             return None
         try:
@@ -509,10 +509,7 @@ class LiveRun:
         return None if drawing is None else drawing_data(drawing)
 
     def _curves(self, rows: NDArray[np.float64], first: int) -> dict[str, Any]:
-        """Return reference, output and error of each tracked output, then the drives.
-
-        Of several samples in a point of the curve the smallest and the largest value.
-        """
+        """Return envelopes of reference, output and error of tracked outputs, then of drives."""
         course, count = self.loop.course, len(self.motion.tracked)
         scale = scales(course)
         outputs, gains = rows[:, :count] * scale, rows[:, count : 2 * count] * scale

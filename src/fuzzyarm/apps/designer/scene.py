@@ -156,7 +156,7 @@ def _term(
         "name": term.name,
         "at": positions.of(term.span)[0],
         **_shape(term.shape, variable, functions),
-        # In an output with two ends a term of type 1 stands twice; the user moves both.
+        # In an output with two ends a term of type 1 is there twice; the user moves both.
         "marks": [term.name, *([lower] if lower and term.lower is None else [])],
         "lower": None,
     }
@@ -282,10 +282,7 @@ def _parts(rule: Rule, names: list[str]) -> Iterable[list[Any]]:
 
 
 def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
-    """Return how rules are evaluated: settings with their choices, and those of blocks.
-
-    A variable with a line of its own for a setting has a row of its own.
-    """
+    """Return the settings of inference with their choices, and those of variables and blocks."""
     nodes = [statement.node for statement in reading.document.statements]
     written = {
         ("" if node.target is None else str(node.target), str(setting.key)): _value(setting)

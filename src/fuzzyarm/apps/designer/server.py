@@ -1,6 +1,6 @@
 """The server of the designer: one folder, on this machine only, for those who know the token.
 
-Every address begins with the token, so that whatever the page asks for carries it; without it
+Every address begins with the token, so that every request of the page carries it; without it
 the answer is 403. The names in `Host` and `Origin` are checked, against pages of other sites
 that reach this machine through the browser. The content policy lets nothing be loaded from
 elsewhere and runs no text. What is said over the socket is answered in
@@ -196,7 +196,7 @@ def serve(
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,
-            proxy_headers=False,  # nobody stands between
+            proxy_headers=False,  # no proxy between
             server_header=False,
             timeout_graceful_shutdown=1,
         )

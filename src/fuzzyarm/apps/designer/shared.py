@@ -154,7 +154,7 @@ class SharedText:
 
     @property
     def status(self) -> dict[str, Any]:
-        """Whether it is saved, and whether the file says something else, or is gone."""
+        """Whether it is saved, and whether the file has changed, or is gone."""
         return {
             "dirty": not self.is_there or self.conflict is not None or self.text != self.saved,
             "gone": not self.is_there,
@@ -216,7 +216,7 @@ class SharedText:
     # --- The file ---
 
     def look(self) -> bool:
-        """Read the file again if it has changed; return whether anything is to be told."""
+        """Read the file again if it has changed; return whether there is news."""
         stamp = stamp_of(self.path)
         if stamp == self.stamp:
             return False

@@ -96,7 +96,7 @@ def _axis(axis: TableAxis) -> dict[str, Any]:
 
 
 def cell_place(session: Session, cell: Sequence[int]) -> Any:
-    """Return where the number of a cell stands in the text; None where it is not known."""
+    """Return the position of a cell's number in the text; None where unknown."""
     reading = session.reading
     if not isinstance(reading, TableText) or reading.parsed.table is None:
         return None

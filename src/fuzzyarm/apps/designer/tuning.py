@@ -146,7 +146,7 @@ def order_of(session: Session, work: FormWork, job: WindowJob) -> PageOrder:
 
 
 def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
-    """Return the files of samples as they stand in the folder."""
+    """Return the files of samples in the folder."""
     files = {}
     for name, file in (("data", request.data), ("test", request.test)):
         if file is None:
@@ -163,7 +163,7 @@ def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
 def tune(session: Session, request: FormWork, job: WindowJob) -> None:
     """Search and report until the page stops."""
     order = order_of(session, request, job)
-    prepared(order)  # mistakes are told at once
+    prepared(order)  # reports mistakes at once
     report = _searched(order, job)
     files = report.pop("files")
     job.tell({"report": report})
@@ -351,7 +351,7 @@ def _reported(tuned: Tuned) -> dict[str, Any]:
 
 
 def _thinned(dots: Dots) -> Dots:
-    """Return some of the dots, evenly, where there are more than can be told apart."""
+    """Return some of the dots, evenly, where there are more than can be distinguished."""
     every = 1 + len(dots.x) // MOST_DOTS
     return replace(dots, x=dots.x[::every], y=dots.y[::every])
 

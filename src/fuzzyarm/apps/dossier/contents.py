@@ -87,7 +87,7 @@ def report_of(file: str, how: Making, exported: Exported | ExportedController) -
     Parameters
     ----------
     file : str
-        What the export was made of.
+        Source of the export.
     how : Making
         The settings.
     exported : Exported or ExportedController

@@ -23,7 +23,7 @@ code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
 
 
 class _Section(NamedTuple):
-    """A heading, a paragraph in front, and a table; `note` stands alone where there are no rows."""
+    """A heading, a paragraph in front, and a table; `note` replaces it where there are no rows."""
 
     title: str
     note: str = ""

@@ -31,7 +31,7 @@ TARGETS = {
     "ATmega328P": ("avr-gcc", "avr-size", ("-mmcu=atmega328p",)),
     "Cortex-M3": ("arm-none-eabi-gcc", "arm-none-eabi-size", ("-mcpu=cortex-m3", "-mthumb")),
 }
-"""Processors whose compilers are asked, where they are installed: compiler, size, its flags."""
+"""Processors with the compilers used, where installed: compiler, size, flags."""
 
 
 @json_properties("* passed")

@@ -140,10 +140,7 @@ typedef struct {
 
 
 def _entries(index: int, entry: TranslatedKernel, record: str) -> str:
-    """Return the entry for kernels, with each array as an argument, and that for Python.
-
-    `record` is the type of the block with the function's arrays, if it takes one.
-    """
+    """Return the entry for kernels, arrays (in a `record`) as arguments, and that for Python."""
     types, in_one = entry.types, entry.in_one
     # The arrays of a loop do not overlap. With `restrict` the compiler keeps in registers the
     # numbers that a control period writes and reads again, in spite of stores to other arrays

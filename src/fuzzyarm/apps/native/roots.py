@@ -150,11 +150,7 @@ def _rows() -> Iterator[Root]:
 
 
 def _loops() -> Iterator[Root]:
-    """Iterate over the loops: a general one, and those with law and plant compiled in.
-
-    A plant that makes its drives itself is called more often in a control period, so it has its own
-    loops.
-    """
+    """Iterate over the loops: a general one, and those with law and plant compiled in."""
     plants = (kind.variants()[0] for kind in PLANTS.values())
     every = [dynamics_of(plant, RunArithmetic(), address=lambda *_, **__: 0) for plant in plants]
     for dynamics, of_text in product((None, *(d for d in every if d.actuates)), (False, True)):

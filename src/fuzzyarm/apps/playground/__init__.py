@@ -2,7 +2,7 @@
 
 :mod:`fuzzyarm.apps.playground.folder` writes it; in the page :mod:`fuzzyarm.apps.playground.host`
 answers, by the handlers of the designer. Where the page's Python has no NumPy,
-:mod:`fuzzyarm.apps.playground.arrays` stands in.
+:mod:`fuzzyarm.apps.playground.arrays` replaces it.
 """
 
 from __future__ import annotations
@@ -20,4 +20,4 @@ if not TYPE_CHECKING:
 if sys.platform == "emscripten":
     from fuzzyarm.apps.playground.arrays.module import install
 
-    install()  # before anything asks for NumPy
+    install()  # before anything imports NumPy

@@ -123,7 +123,7 @@ def controller_diff_view(diff: ControllerDiff) -> Group:
     parts: list[RenderableType] = []
     for title in ("settings", "gains", "lines"):
         parts += change_lines(title, getattr(diff, title))
-    parts += [Text(f"axis {axes}: the lines stand in another order") for axes in diff.order]
+    parts += [Text(f"axis {axes}: the lines are in another order") for axes in diff.order]
     for name, rules in diff.rulebases:
         parts += [Text(), Text(f"rules {name}", "bold"), rulebase_diff_view(rules)]
     for name, cells in diff.tables:

@@ -109,11 +109,7 @@ def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
 def _with_names_of(
     before: RuleBase, after: RuleBase
 ) -> tuple[RuleBase, list[Change], list[Change]]:
-    """Return a rule base with the names of a later version, and the renamings.
-
-    A removed and a new variable or term count as renamed if they agree otherwise: in range and
-    terms of a variable, in the shapes of a term.
-    """
+    """Return a rule base with the names of a later version, and the renamings: all else equal."""
     names: dict[str, str] = {}
     found: list[Change] = []
     for role, old, new in (

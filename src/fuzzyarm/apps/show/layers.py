@@ -357,10 +357,7 @@ def _crossings(edges: Iterable[tuple[float, float]]) -> int:
 
 @dataclass(eq=False)
 class _Trunk:
-    """A wire in a gap: its row on the left, and its rows on the right.
-
-    If two wires swap rows, one of them takes a separate row between two trunks.
-    """
+    """A wire in a gap: its row on the left, and its rows on the right."""
 
     source: float
     targets: list[float]

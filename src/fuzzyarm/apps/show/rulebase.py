@@ -252,10 +252,7 @@ def _weighted(rule: Rule, term: str) -> str:
 
 
 def _term_colours(output: Output) -> tuple[Scale, dict[str, float]]:
-    """Return a scale and the position of each term of `output` on it.
-
-    Terms without a middle (functions of the inputs) have no colour.
-    """
+    """Return a scale and the position on it of each term of `output` that has a middle."""
     values: dict[str, float] = {}
     for term in output.terms:
         shape = term.shape

@@ -1,7 +1,7 @@
 """All controllers under the same conditions: errors, chatter and cost.
 
 The study compares errors alone, with set points that are held, motors without inductance and as
-much torque as is asked for, and it did not count alike for all. Here any of that can change, for
+much torque as requested, and it did not count alike for all. Here any of that can change, for
 all of them alike: nothing depends on what a controller, or its file, is called. Another plant that
 has trajectories is compared on in the same way; costs are counted on the arm.
 """
@@ -97,14 +97,14 @@ class Compared:
     rms_periods : tuple of float
         The same of all control periods, from the set point that is held in each.
     rms_path : tuple of float
-        The same from the trajectory itself, which moves on while a set point stands.
+        The same from the trajectory itself, which moves on while a set point is held.
     variation : tuple of float
         Mean magnitude of the change of the first drive of each axis, on the arm of the torque of a
         joint in N m, from one control period to the next: chatter.
     diverged : tuple of (float or None)
         When the run on each trajectory was stopped, s.
     notes : tuple of str
-        What was taken otherwise than it was asked for, in sentences.
+        Notes on adjusted settings.
     """
 
     name: str
@@ -238,7 +238,7 @@ def compared_along(request: CompareRequest, plant: Plant) -> Sequence[Trajectory
 
 @dataclass(frozen=True, kw_only=True)
 class Watched:
-    """What is compared of one run: see :class:`Compared`."""
+    """Compared values of one run: see :class:`Compared`."""
 
     units: tuple[str, ...]
     rms: Numbers
@@ -308,7 +308,7 @@ class ControlStepCost:
         Largest cost of a step of the exported program; None without an export.
     seconds : float or None
         Measured in the loop, as machine code; None where it was not.
-        :data:`~fuzzyarm.apps.study.cost.RESOLUTION` stands for less.
+        :data:`~fuzzyarm.apps.study.cost.RESOLUTION` replaces less.
     """
 
     name: str

@@ -15,7 +15,7 @@ from fuzzyarm.base.errors import FuzzyarmError
 
 
 class UnknownProblemError(FuzzyarmError, LookupError):
-    """There is no identification problem of this `name`."""
+    """An unknown identification problem; `name` is its name."""
 
     def __init__(self, name: str) -> None:
         super().__init__(

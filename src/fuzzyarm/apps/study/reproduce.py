@@ -33,7 +33,7 @@ LAST_BIT = 6e-8
 """Relative size of the last bit of a number in single precision."""
 
 RUNS = 200
-"""In an ensemble, unless another number is asked for."""
+"""Default number of runs in an ensemble."""
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ class RowJudgement:
     bound : Tolerance or None
         That applied; None where the extremes of an ensemble decide.
     faults : tuple of str
-        What is outside, in words.
+        Values outside the tolerance, in words.
     note : str
         Remarks on the row.
     """
@@ -236,7 +236,7 @@ def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -
     Parameters
     ----------
     row : PublishedRow
-        What was published.
+        The published values.
     figures : tuple of float
         The eight numbers that came out, degrees.
     ensemble : Ensemble, optional

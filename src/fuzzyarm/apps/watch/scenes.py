@@ -168,7 +168,7 @@ class RulebaseScene(WatchScene):
         """Give the axes of the surface, and the keys, inputs that the output depends on."""
         try:
             part = part_for(self.rulebase, [self.output])
-        except FuzzyarmError:  # the drawing says why
+        except FuzzyarmError:  # the drawing has the reason
             return
         names = [variable.name for variable in part.inputs]
         axes = [name for name in (self.across, self.down) if name in names]
@@ -176,7 +176,7 @@ class RulebaseScene(WatchScene):
             self.across, self.down = (*axes, *(x for x in names if x not in axes), "")[:2]
 
     def trace(self) -> Trace | str:
-        """Return the inference at the crisp inputs, or a sentence that says why it fails."""
+        """Return the inference at the crisp inputs, or the reason of a failure."""
         last_values = {
             output.name: 0.5 * (output.low + output.high) for output in self.rulebase.outputs
         }

@@ -205,7 +205,7 @@ def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Li
         else:
             known -= {*(line.signals if isinstance(line, Zoom) else ()),
                       *((line.table,) if isinstance(line, Learn) else ())}  # fmt: skip
-    # Drives of a port add up: without one of them the others say nothing of it.
+    # Drives of a port add up: without one of them the sum is unknown.
     return tuple(x for x in lines if not (isinstance(x, Drive) and x.port in ports))
 
 
@@ -357,7 +357,7 @@ def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> I
 
 
 def _what_stays(axes: Axes) -> str:
-    """Return what a skipped period leaves unchanged: the drives of an axis, and its memory."""
+    """Return the parts unchanged in a skipped period: the drives of an axis, and its memory."""
     memory = [
         f"{line.source.kind} {line.names[0]}"
         for line in axes.lines

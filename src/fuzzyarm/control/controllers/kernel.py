@@ -61,7 +61,7 @@ INSTRUCTION = 6
 
 # Memory of the limits of a drive, from their state on.
 # BEFORE: its value in the period before, for a period that turns out to be skipped.
-LOW, HIGH, OVER, OVER_BEFORE = range(4)  # of LIMIT; OVER: limited minus wanted value
+LOW, HIGH, OVER, OVER_BEFORE = range(4)  # of LIMIT; OVER: limited minus unlimited value
 LAST_DRIVE, STEEPEST, DRIVE_BEFORE = range(3)  # of SLEW
 
 
@@ -81,12 +81,12 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
 # The list of UPDATE: its address, how many numbers it fills in (its value, then its
 # state), whether these are rounded as stored values are, the end of its frame, how many
 # arguments beside x and the period are fetched, then for each of these where it goes and where it
-# comes from; the others are numbers that stand in the frame (fuzzyarm.control.controllers.updates).
+# comes from; the others are numbers in the frame (fuzzyarm.control.controllers.updates).
 # Behind the frame is its memory of before.
 UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
-# LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
+# LOOK_UP is in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
 # and its length, rate, bound, grid of the table, grid and values of the performance table,
 # whether both grids are alike, the indices of the inputs in the period before (in the one grid,
 # then in the other), the value that a lesson has replaced, then the inputs.
@@ -110,7 +110,7 @@ ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 # and how many drives there are, these cells, of each drive its cell and that of its last value, and
 # for each axis a guard: where its instructions begin and end, the cell that counts the skipped
 # periods, how many cells it reads and how many drives it has, the cells that it reads, and of each
-# drive its cell and that of its value in a skipped period. After the last guard stands a 0.
+# drive its cell and that of its value in a skipped period. After the last guard comes a 0.
 WITH_GUARDS, SETTLE, COUNT_ALL, COUNT_DRIVES, ALL_READ = range(5)
 GUARD_BEGIN, GUARD_END, SKIPPED, COUNT_READ, COUNT_SENT, GUARDED = range(6)
 

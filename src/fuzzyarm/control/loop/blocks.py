@@ -282,10 +282,7 @@ def recipe(thing: Any) -> tuple[Any, ...] | None:
 
 
 def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
-    """Return the reconstruction of an object without its cached properties.
-
-    Their values may be anything, such as compiled functions, and are recomputed on demand.
-    """
+    """Return the reconstruction of an object without its cached properties."""
     kind: Any = type(thing)
     derived = _cached_names(kind)
     if not derived.intersection(getattr(thing, "__dict__", ())) or not _is_plain(kind):
@@ -358,10 +355,7 @@ def _own_thing(path: str, source: str, name: str) -> Any:
 
 
 def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:
-    """Return the reconstruction of a user's plant: its text, then the changed attributes.
-
-    So private attributes of the class, such as functions or locks, need not be pickled.
-    """
+    """Return the reconstruction of a user's plant: its text, then the changed attributes."""
     home: Home = vars(plant)[HOME]
     kind: Any = type(plant)
     excluded = {HOME, BEGUN, TRACED, *_cached_names(kind)}

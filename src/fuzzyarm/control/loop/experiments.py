@@ -195,7 +195,7 @@ def with_drives(request: ExperimentRequest, plant: Plant) -> tuple[Plant, Option
     return equipped(plant, options), options
 
 
-# --- Which fields a plant understands ---
+# --- Fields of a plant ---
 
 ALONG = ("trajectory", "angles", "way_points", "segment", "hold")
 """Fields for plants with trajectories."""

@@ -194,7 +194,7 @@ class _Samples:
 
     def integral(self, values: Vector) -> float:
         """Return the integral of something over the samples; NaN of none."""
-        # The rectangle rule: each sample stands for the period that it begins.
+        # The rectangle rule: each sample counts for the period that it begins.
         return float(np.sum(values) * self.period) if len(values) else math.nan
 
     @cached_property

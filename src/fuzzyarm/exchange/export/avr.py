@@ -452,7 +452,7 @@ def unchecked(measured: Measured | None, board: Board, period: float) -> str:
 
 
 def _rounded_up(seconds: float) -> float:
-    """Return a time of two digits that is no shorter."""
+    """Return a time rounded up to two digits."""
     step = 10.0 ** (math.floor(math.log10(seconds)) - 1)
     return math.ceil(seconds / step) * step
 

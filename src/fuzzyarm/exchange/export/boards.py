@@ -56,7 +56,7 @@ class Board:
 
     @property
     def precision(self) -> str:
-        """The precision of programs for it, unless another is asked for."""
+        """Default precision of programs for it."""
         return "mixed" if self.has_double else "float32"
 
 
@@ -99,7 +99,7 @@ class Footprint:
     Attributes
     ----------
     flash : int
-        Code and constants, or constants alone where no compiler was asked.
+        Code and constants, or constants alone where no compiler ran.
     static : int
         Variables that are always there.
     stack : int

@@ -624,7 +624,7 @@ def _written(
         }  # fmt: skip
     else:
         tested = printer.test("int main(void)")
-        # Includes stand above all else (MISRA C:2012, 20.1), those of the self-test too.
+        # Includes come before all else (MISRA C:2012, 20.1), those of the self-test too.
         more = [name for name in _headers("\n".join(tested)) if name not in headers]
         of_test = [f"#ifdef {SWITCH}", *(f"#include <{name}>" for name in more), "#endif", ""]
         of_test = of_test if more else []
@@ -670,7 +670,7 @@ def _macros(printer: CPrinter) -> list[str]:
 
 
 def _flash_macro(printer: CPrinter, text: str) -> list[str]:
-    """Return the lines that say where constants are, if there are some.
+    """Return the lines that place the constants, if there are some.
 
     An AVR has flash in an address space of its own, where gcc's C reads what is `__flash`
     by the instruction ``lpm``, as ``pgm_read_float`` does; elsewhere a constant just stays there.

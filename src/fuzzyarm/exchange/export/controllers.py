@@ -145,7 +145,7 @@ class ControllerProgram:
     Attributes
     ----------
     text : ControllerText
-        As it is exported, with tables in place of rules where that is asked for.
+        As exported, with tables in place of rules where requested.
     precision : str
         ``mixed``, ``float32`` or ``float64``.
     q : int or None

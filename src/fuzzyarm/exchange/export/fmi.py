@@ -486,7 +486,7 @@ def _stub(version: int, name: str, parameters: str) -> str:
     listed = f"void *instance, {parameters}" if parameters else "void *instance"
     names = [part.replace("[]", "").replace("*", " ").split()[-1] for part in listed.split(",")]
     unused = ", ".join(f"(void){argument}" for argument in names)
-    # A call that asks for nothing is not a mistake.
+    # A call for no value is not a mistake.
     result = f"n == 0 ? {OK} : {ERROR}" if "size_t n" in parameters else str(ERROR)
     return f"EXPORT int fmi{version}{name}({listed})\n{{\n    {unused};\n    return {result};\n}}\n"
 

@@ -356,10 +356,7 @@ def _variable_name(steps: Steps, variable: StepVariable) -> str:
 
 
 def _structured(name: str, taken: set[str]) -> str:
-    """Return a name by the structured naming convention: odd parts stand between quotes.
-
-    It has ASCII alone: accents are dropped and Greek is spelt; a name that is taken has a number.
-    """
+    """Return a unique ASCII name by the structured naming convention: odd parts in quotes."""
     plain, number = in_ascii(name), 1
     name = plain
     while name in taken:

@@ -1,6 +1,6 @@
 """The languages of exported modules: a record of spellings, and one of the frame of a file, each.
 
-MicroPython imports `math` and `array` alone, and its numbers stand in it so that no reader of
+MicroPython imports `math` and `array` alone, and its numbers are written so that no reader of
 decimals can round them: arrays as bytes, single numbers as the quotient of two whole ones.
 JavaScript is a module for browsers and node. Rust is one source file that needs `core` alone, or
 the crate `libm` where the rules have functions of mathematics and there is no `std`.
@@ -142,7 +142,7 @@ def _python_cast(text: str, before: Kind, after: Kind) -> str:
     return f"{'float' if _is_float(after) else 'int'}({text})"
 
 
-# A product is no number where an argument is a text, and keeps the sign of zero.
+# A product is NaN where an argument is a text, and keeps the sign of zero.
 _PYTHON_CHECK = """def _checked(value, name):
     number = None
     try:

@@ -38,7 +38,7 @@ def operations_of(
 ) -> Counter[str]:
     """Return how many operations of each sort an expression takes, never both branches.
 
-    `called` says what a symbol takes that stands for a call; `least` takes the branch of fewer
+    `called` has the cost of a symbol that replaces a call; `least` takes the branch of fewer
     operations instead of the most of each sort.
     """
     if not isinstance(node, Apply):
@@ -84,7 +84,7 @@ class Listing:
     """
 
     def __init__(self, program: OutputProgram) -> None:
-        # By the symbol that stands for it, a call and its argument; inner ones first.
+        # By its symbol, a call and its argument; inner ones first.
         self.calls: dict[str, tuple[Call, Node]] = {}
         assignments, result = self._in_variables(program)
         self.reads = self._symbols(result)
@@ -193,7 +193,7 @@ class Listing:
         return names.union(*inner)
 
     def _named_parts(self, statement: Walked) -> Walked:
-        """Have the parts of a walk stand in variables where they take more than one statement."""
+        """Name the parts of a walk that take more than one statement."""
         parts = []
         for part in statement.parts:
             body, value = spread(statement.walk.total, part, self.names)
@@ -265,7 +265,7 @@ def _sets(statement: Statement | SampleSums | DefuzzifierWalk | Loop | Walked) -
 
 
 def element(sums: SampleSums, column: str) -> str:
-    """Return the symbol that stands for an element of a column; it is printed as one."""
+    """Return the symbol of an element of a column; it is printed as one."""
     return f"{column} of {sums.area}"
 
 

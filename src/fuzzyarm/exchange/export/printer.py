@@ -63,7 +63,7 @@ class Target:
     language : Language
         How it writes expressions, assignments and choices.
     names : str
-        Which words are no names, of `fuzzyarm.symbolic.identifiers.RESERVED`.
+        Key of the reserved words in `fuzzyarm.symbolic.identifiers.RESERVED`.
     operation : callable
         From a printer, an operation and the kind of its floats to its text with holes; it may add
         helpers.
@@ -103,7 +103,7 @@ class Target:
         Several results, their type (of all kinds, or of the first), and that of an array of the
         state.
     unused : str
-        The statement that names a parameter that is not read, where a compiler asks for it.
+        The statement that marks a parameter as unused, where a compiler needs one.
     refused : re.Pattern, optional
         Names that are macros where the file is included.
     room, lent, written : str

@@ -2,7 +2,7 @@
 
 The expression is the whole truth: its values over arrays are the model of the exported
 function, and :mod:`fuzzyarm.exchange.export.listing` writes it in C. The names beside it say which
-parts stand in variables there: the degrees, the firing strengths, the growing heights.
+parts are variables there: the degrees, the firing strengths, the growing heights.
 """
 
 from __future__ import annotations
@@ -91,9 +91,9 @@ class Call:
 class OutputProgram:
     """The arithmetic of one output."""
 
-    symbols: tuple[str, ...]  # the symbols that stand for the arguments
+    symbols: tuple[str, ...]  # the symbols of the arguments
     result: Node  # the output, of these symbols and of the sums over samples
-    # The parts of `result` that stand in variables, in order. A name that comes again belongs to
+    # The parts of `result` that have variables, in order. A name that comes again belongs to
     # a part that grows out of the one before: a sum, a greatest value. It is read as a variable
     # after its last mention, which need not add anything.
     variables: tuple[Assign | SampleSums | DefuzzifierWalk, ...]

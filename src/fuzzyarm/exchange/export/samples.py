@@ -34,10 +34,10 @@ class SampleSums:
     moment: str
     height: str
     index: str
-    # Numbers for each sample, by the symbol that stands for the current one.
+    # Numbers for each sample, by the symbol of the current one.
     columns: Mapping[str, tuple[float, ...]]
     stems: Mapping[str, str]  # names of the arrays of the columns
-    # Parts of the program, by the symbol that stands for one in `steps`.
+    # Parts of the program, by their symbol in `steps`.
     parts: Mapping[str, Node]
     # Set `height` again and again, of itself, of columns and of parts.
     steps: tuple[Assign, ...]

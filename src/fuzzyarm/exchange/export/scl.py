@@ -1,7 +1,7 @@
 """A project as SCL, the Structured Text of Siemens' TIA Portal (an external source).
 
 The text is that of a ``.st`` in another dialect: local names have ``#`` before them and blocks
-stand in quotation marks; a function of several parameters is called with their names; arrays are
+are in quotation marks; a function of several parameters is called with their names; arrays are
 not constants; a function keeps nothing; and there is no program, so that the self-test is a block
 as well.
 """
@@ -40,7 +40,7 @@ _QUOTED = frozenset(
     s5time timer title variant version void wchar
     """.split()  # noqa: SIM905
 )
-"""Words of SCL that the standard does not have; a name that is one stands in quotation marks."""
+"""Words of SCL that the standard does not have; such a name is quoted."""
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<remark>\(\*.*?\*\))|(?P<number>(?:LREAL#)?\d[\d.]*(?:E[+-]?\d+)?)"
@@ -213,7 +213,7 @@ def _closing(tokens: Sequence[tuple[str, str]], opening: int) -> int:
 
 
 def _split(tokens: Sequence[tuple[str, str]]) -> list[list[tuple[str, str]]]:
-    """Split at commas that stand in no parentheses."""
+    """Split at commas outside parentheses."""
     parts: list[list[tuple[str, str]]] = [[]]
     depth = 0
     for token in tokens:

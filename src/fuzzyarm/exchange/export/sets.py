@@ -132,7 +132,7 @@ def _on_lines(lines: StraightShape, x: Node) -> Node:
     for i in range(len(lines.edges) - 1, -1, -1):
         edge, height = constant(lines.edges[i]), lines.heights[i]
         before = _on_line(lines.between[i], x)
-        # The corner goes with the side that has its degree; where neither does it stands apart.
+        # The corner goes with the side that has its degree; where neither does it is separate.
         if lines.between[i + 1].at(lines.edges[i]) == height:
             degree = degree if before is degree else where(x < edge, before, degree)
         elif lines.between[i].at(lines.edges[i]) == height:
@@ -168,7 +168,7 @@ def hedged(hedges: Sequence[Hedge], degree: Node) -> Node:
 # taken off, in two straight pieces that meet where the lines cross.
 
 Fresh = Callable[[Node, str], Node]
-"""Names an expression, so that it is computed once and stands in a variable."""
+"""Names an expression, so that it is computed once, into a variable."""
 
 Call = Callable[[str, Node, Node], Node]
 """Applies a function of ``h``, given as an expression, to a height; the name is for C."""

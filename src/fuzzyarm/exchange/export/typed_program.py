@@ -266,7 +266,7 @@ class Array:
     values : tuple of float
         In order.
     columns : int
-        How many stand on a line, where that matters.
+        Elements to a line, where that matters.
     """
 
     stem: str

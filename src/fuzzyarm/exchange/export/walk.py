@@ -152,7 +152,7 @@ class DefuzzifierWalk:
 
     @property
     def steps(self) -> int:
-        """About how many heights of sets are asked for at one point."""
+        """Estimated number of heights of sets evaluated at one point."""
         # An export is compared at fewer points the more there are; interpreted, each takes a
         # hundred times as long.
         count = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.room

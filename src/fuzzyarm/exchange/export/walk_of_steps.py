@@ -579,7 +579,7 @@ class Lines(Algebra[Node]):
             )
 
     def _file_of(self, name: str, rulebase: RuleBase) -> str:
-        """Return the file in which a rule base stands that the text calls by a name."""
+        """Return the file of a rule base that the text calls by a name."""
         for use in self.text.model.uses:
             if use.name == name:
                 at_axis = next(

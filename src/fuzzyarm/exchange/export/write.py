@@ -57,11 +57,11 @@ class Files:
     Attributes
     ----------
     path : Path
-        The one that was asked for; others go beside it.
+        The requested one; others go beside it.
     files : tuple of (Path, str or bytes)
         Where and what.
     calls : tuple of str
-        What each routine is called: a C prototype, the name of a function block, or its variables.
+        Calls of the routines: a C prototype, the name of a function block, or its variables.
     """
 
     path: Path
@@ -165,7 +165,7 @@ def routines_of(
     source : str or Path, optional
         The file of a rule base, for the head.
     proved : mapping of str to float or None
-        What the table of an output, looked up so, nowhere differs from its rules by.
+        Bound of the difference between the table of an output, looked up so, and its rules.
     widened : bool
         Whether what is found in double precision only is computed so within, whatever `precision`.
 

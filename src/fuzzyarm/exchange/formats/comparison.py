@@ -236,7 +236,7 @@ def _measured(
     except FuzzyarmError as error:
         findings.warn("not-compared", f"the numbers were not compared: {error}")
         return findings.all()
-    # An error or a held value is no number to compare.
+    # An error or a held value cannot be compared.
     columns = {
         output.name: [
             math.nan if math.isnan(a) else b

@@ -189,10 +189,7 @@ class ScikitBlock(FunctionBlock):
     def _hedged_term(
         self, variable: str, name: str, hedges: tuple[Hedge, ...]
     ) -> tuple[str, tuple[Hedge, ...]]:
-        """Return a term and its remaining hedges.
-
-        scikit-fuzzy hedges the degrees at the points, with straight lines between them.
-        """
+        """Return a term and its remaining hedges."""
         draft = self.variables.get(variable)
         term = draft.term(name) if draft is not None else None
         xs = self._universes.get(variable)

@@ -94,10 +94,7 @@ class _Element:
 
 
 def _parsed(text: str) -> _Element:
-    """Return the root of an XML text.
-
-    A document type, which could define entities, is refused: no FML file has one.
-    """
+    """Return the root of an XML text; a document type (which could define entities) is refused."""
     parser = expat.ParserCreate("utf-8", "}")
     root = _Element(TextPiece(""), {})
     stack = [root]
@@ -290,10 +287,7 @@ class _Reader(SystemReader):
                 self.complements.add((draft.name, name.text))
 
     def _by_dependence(self, terms: list[_Element]) -> list[_Element]:
-        """Return the terms of a variable, each after the terms that it is composed of.
-
-        A circular term keeps its place: its parts are unknown there, which is reported.
-        """
+        """Return the terms of a variable, each after its parts; a circular term stays."""
         parts = {term.get("name").text: _parts(term) for term in terms}
         places = {name: place for place, name in enumerate(parts)}
         depth: dict[str, int] = {}

@@ -10,7 +10,7 @@ from fuzzyarm.exchange.formats.shapes import range_of_values
 from fuzzyarm.language.model.rulebase import Defuzzifier, Input, Output, Shape, Term
 
 _SAMPLED_AT = 1001
-"""Samples over a range of a function that is no shape of the language."""
+"""Samples over a range of a function without a shape of the language."""
 
 _ENDS = 97
 """Points for the comparison of an input's terms with an evenly spread family."""

@@ -66,10 +66,7 @@ _SPREAD = 256
 def _points(
     function: Callable[..., Any], ranges: Sequence[tuple[float, float]]
 ) -> list[list[float]]:
-    """Return points of the ranges: evenly spread, at corners, and at a function's constants.
-
-    Kinks are mostly at constants of the function.
-    """
+    """Return points of the ranges: even, at corners, and at a function's constants (its kinks)."""
     middle = [0.5 * (low + high) for low, high in ranges]
     # A Kronecker sequence: multiples of irrational steps are evenly spread in any dimension.
     steps = [math.sqrt(prime) % 1.0 for prime in _primes(len(ranges))]

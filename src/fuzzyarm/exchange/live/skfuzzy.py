@@ -86,7 +86,7 @@ def from_skfuzzy(
     system : skfuzzy.control.ControlSystem or ControlSystemSimulation
         Complete: every variable with its terms, every rule.
     name : str
-        What the rule base is called.
+        Name of the rule base.
     points : bool
         Whether terms stay the straight lines between the points of their universe, rather than
         the triangle, gaussian and so on that has the same degrees at all of them.
@@ -200,7 +200,7 @@ def _range(variable: Any) -> tuple[float, float]:
 
 
 def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ...]:
-    """Return the terms of a variable; say so where one differs between the points."""
+    """Return the terms of a variable; report one that differs between the points."""
     name = variable.label
     with reading(f"the universe of '{name}'"):
         xs = [float(x) for x in variable.universe]
@@ -312,7 +312,7 @@ def _accumulated(
 
 
 def _can_join(group: list[tuple[tuple[str, str], Rule]], norm: str) -> bool:
-    """Whether one disjunction can stand for rules: of one conjunction, unweighted, without *or*."""
+    """Whether one disjunction can replace rules: of one conjunction, unweighted, without *or*."""
     return (
         bool(norm)
         and len({norms[0] for norms, _ in group}) == 1
@@ -484,7 +484,7 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
         live_variable = control.Consequent(
             _universe(output, samples),
             output.name,
-            # What is to be said of the method has been said by `_check`.
+            # `_check` has reported on the method.
             word_of_method(output, "skfuzzy", "scikit-fuzzy", Findings(lossy=True)),
         )
         variables[output.name] = _with_terms(live_variable, output)

@@ -228,10 +228,7 @@ def _hint(raised: Mapping[str, Any]) -> str:
 def _about_script(
     data: Mapping[str, Any], path: str, seconds: float, *, lossy: bool, strict: bool
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings about a script; raise an error if it has no systems.
-
-    Systems made before an early end are returned, with a warning.
-    """
+    """Return the findings about a script, early end included; without systems raise an error."""
     findings = Findings(path, lossy=lossy, strict=strict)
     has_systems = bool(data["found"])
     so_far = "; the systems made by then are taken" if has_systems else ""

@@ -240,10 +240,7 @@ class Search:
         return [Score(REFUSED) if fails else next(scores) for fails in broken]
 
     def _take(self, trial: Trial, *, is_replayed: bool) -> None:
-        """Count a trial; before it becomes the best its properties are proved.
-
-        For a replayed trial the journal has the result of the proof.
-        """
+        """Count a trial; before it becomes the best prove its properties, or read the journal."""
         search = self.result
         if trial.score.fault:
             search.failed += 1

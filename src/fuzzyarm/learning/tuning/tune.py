@@ -225,7 +225,7 @@ LISTENERS = ("watch", "watch_linear", "take", "tell")
 
 
 def _tuned_by(request: TuneRequest, plant: object, keywords: TuneKeywords) -> Tuned:
-    """Tune as a request says."""
+    """Tune according to a request."""
     demand_alone("tune", plant, {name for name in keywords if name not in LISTENERS} or None)
     order = order_of(request)
     with cluster(request) as (executor, workers):

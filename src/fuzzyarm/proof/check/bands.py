@@ -53,7 +53,7 @@ class RuleBands:
     Attributes
     ----------
     why : str
-        Why nothing was known of a box that was asked for last, of those of which nothing was.
+        Why nothing was known of the last box without a result.
     """
 
     def __init__(self, surface: RuleSurface) -> None:

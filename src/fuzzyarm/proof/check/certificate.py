@@ -44,7 +44,7 @@ class CertificateError(LoopProofError):
 
 
 class Gains(NamedTuple):
-    """What is claimed of one output of a rule base, or of a table, for its inputs in a region.
+    """Claim about one output of a rule base, or of a table, for its inputs in a region.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Gains(NamedTuple):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a certificate says of a loop next to its rest, to be checked.
+    """A certificate's claims about a loop near its equilibrium, to be checked.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Evidence:
     spread : tuple of (int, int, Fraction, Fraction)
         Which entries of the plant's matrix are uncertain gains, and between what they are.
     grip : Fraction
-        What limits leave of a signal's deviation at least; 1: they are not reached.
+        Least share of a signal's deviation that limits leave; 1: they are not reached.
     box : dict of str to Fraction
         By state of a plant that is not affine, how far it may be from rest.
     """
@@ -143,12 +143,12 @@ class TubeProof(NamedTuple):
 
 @dataclass(frozen=True)
 class Certificate:
-    """What proves a claim about a loop, if the checker says so.
+    """A proof of a claim about a loop, if the checker accepts it.
 
     Attributes
     ----------
     claim : LoopClaim
-        What is claimed.
+        The claim.
     controller : str
         The file of the controller.
     fingerprints : dict of str to str

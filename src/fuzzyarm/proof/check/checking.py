@@ -61,7 +61,7 @@ OF_MAPS = "each box leads into a region or into boxes before it (induction)"
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Checked(Shown):
-    """What a certificate proves.
+    """The proof of a certificate.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Checked(Shown):
     loop : tuple of str
         The loop that was derived, in words.
     theorems : tuple of str
-        What was used.
+        The regions, sectors and bounds used.
     region : dict of str to (float, float)
         Where each state and each memory can be in the first region; empty where there is none.
     start_region : dict of str to float
@@ -88,7 +88,7 @@ class Checked(Shown):
     continuous : bool
         Whether it is of the loop in continuous time only.
     uncertain : tuple of str
-        What was taken as an unknown gain.
+        Unknown gains.
     boxes : int
         How many boxes of starts were followed.
     coverage : float
@@ -131,7 +131,7 @@ class Checked(Shown):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What was read, derived and used, a line each."""
+        """Inputs, derivations and facts used, a line each."""
         files = [f"read {name}, SHA-256 {digest}" for name, digest in self.files.items()]
         return (*files, *self.loop, *(f"theorem: {words}" for words in self.theorems))
 
@@ -244,7 +244,7 @@ def check_of(request: ProveRequest, text: ControllerText | None) -> Checked:
 
 
 def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
-    """Return what a certificate proves, where, and of which numbers, for the head of a program."""
+    """Return the claim of a certificate, with region and numbers, for the head of a program."""
     words = [checked.statement + ("" if checked.continuous else ", as sampled")]
     if checked.region and not (checked.claim.start or checked.certificate.tubes):
         reach = [
@@ -320,7 +320,7 @@ class _Proof:
 def follow_tubes(
     follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]
 ) -> list[Followed]:
-    """Follow the boxes of tubes to where each arrives; LoopProofError where one does not say so."""
+    """Follow the boxes of tubes to where each arrives; LoopProofError where one does not."""
     ways: dict[tuple[str, int], list[int]] = {}
     for number, tube in enumerate(tubes):
         kind, index = tube.into
@@ -377,7 +377,7 @@ def _loop_words(haven: Haven) -> str:
 
 
 def coverage_words(certificate: Certificate, coverage: float) -> str:
-    """Return what a map says of its window."""
+    """Return the statement of a map about its window."""
     window = ", ".join(
         f"{name_text(name)} in {number_text(low)} .. {number_text(high)}"
         for name, low, high in certificate.window

@@ -88,7 +88,7 @@ class Form:
     rest : ndarray, shape (sets,)
         Of what nothing more is known, not negative.
     ends : (float, float)
-        What a limit does not let it leave.
+        Bounds set by a limit.
     """
 
     centre: Vector
@@ -195,7 +195,7 @@ class FormNumbers:
         self._bands: dict[tuple[int, str], RuleBands] = {}
 
     def at(self, centre: Any, far: Any = 0.0) -> Form:
-        """Return what is no further from centres than that."""
+        """Return the boxes of these radii around centres."""
         shape = (self.sets,)
         return Form(
             np.broadcast_to(np.asarray(centre, float), shape), np.zeros((0, *shape)),

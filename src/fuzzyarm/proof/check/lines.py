@@ -203,7 +203,7 @@ class LinearSignals:
             elif not (most - at) * sign <= room:
                 share = share.min(room / ((most - at) * sign)).lower()
         # Where the limit may pass too small a share, the signal has to stay so close to rest that
-        # `grip` of it passes, and a row says so.
+        # `grip` of it passes, with a row for that.
         if not share >= self.grip:
             share = least(arb(self.grip))
             if not share > 0:
@@ -268,7 +268,7 @@ class LinearSignals:
             if not x.parts:
                 continue
             assert claim is not None
-            # Beyond its outer levels a table is constant, and its steps say nothing.
+            # Beyond its outer levels a table is constant, whatever its steps.
             low, high = map(exact, claim.region[name])
             rooms = (levels[-1] - x.rest, x.rest - levels[0], high - x.rest, x.rest - low)
             half = min(least(arb(room)) for room in rooms)
@@ -335,7 +335,7 @@ def _has_slopes(values: Any, axis: int, levels: Any, least_slope: fmpq, most: fm
 
 
 class Unchecked(LinearSignals):
-    """Lines that lead to what is remembered: what rule bases and limits are asked is noted.
+    """Lines that lead to the memory: arguments of rule bases and limits are recorded.
 
     Where both of two walks ask the same, they are answered the same: any answer will do.
     """

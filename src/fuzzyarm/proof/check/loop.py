@@ -99,7 +99,7 @@ class System:
     period: float
 
     def rows_within(self) -> list[tuple[list[Number], Number, str]]:
-        """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold."""
+        """Return rows g over z alone, such that |g z| ≤ limit means that all bounds hold."""
         return [
             (row, limit, words)
             for whole, limit, words in self.rows
@@ -139,11 +139,11 @@ class CheckedLoop(System):
         What memory that begins as what it first sees is: a number and weights of how far states
         of the plant are from rest.
     begin : dict of str to number
-        What other memory is before the first period.
+        Other memory before the first period.
     drives : dict of (str, str) to LinearSignal
         Inputs of the plant within its limits, by axis and port: held from one sample to the next.
     still : set of str
-        What the program remembers and reads beside z: it stays as it begins.
+        Memory and inputs of the program beside z: they keep their start.
     """
 
     names: tuple[str, ...]

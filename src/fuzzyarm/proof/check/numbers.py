@@ -129,7 +129,7 @@ def radius(x: Number) -> Number:
 
 
 def is_zero(x: Number) -> bool:
-    """Tell whether a number is certainly 0; ``x != 0`` of a ball says the contrary of 0."""
+    """Tell whether a number is certainly 0; ``x != 0`` of a ball means certainly not 0."""
     return bool(x == 0)
 
 
@@ -255,7 +255,7 @@ def product(a: Sequence[Sequence[Number]], b: Sequence[Sequence[Number]]) -> Mat
 def is_positive_definite(matrix: Sequence[Sequence[Number]]) -> bool:
     """Tell whether all symmetric matrices within one of numbers are certainly positive definite.
 
-    What entries may be off is taken off the diagonal: a symmetric E with |Eᵢⱼ| ≤ Sᵢⱼ is at most
+    Errors of entries are subtracted from the diagonal: a symmetric E with |Eᵢⱼ| ≤ Sᵢⱼ is at most
     the diagonal matrix of the sums of the rows of S. The rest is Cholesky's elimination.
     """
     with ctx.workprec(400):

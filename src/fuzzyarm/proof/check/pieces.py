@@ -37,7 +37,7 @@ class Piece(NamedTuple):
 
 
 class BoundedPiece:
-    """A piece of full dimension with bounds of its value and its slopes, found when wanted."""
+    """A piece of full dimension with bounds of its value and its slopes, found on demand."""
 
     def __init__(self, piece: Piece) -> None:
         self.piece = piece

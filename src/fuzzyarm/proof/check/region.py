@@ -174,7 +174,7 @@ def _with_memory(loop: CheckedLoop, states: Mapping[str, Number]) -> list[Number
 
 
 def has_known_start(problem: LoopProblem, loop: CheckedLoop) -> bool:
-    """Tell whether states of the plant say what all memory starts as.
+    """Tell whether the states of the plant determine the start of all memory.
 
     What a `rate of` holds before its first sample is not a function of them.
     """
@@ -316,7 +316,7 @@ def verified(
     problem : LoopProblem
         The loop.
     claim : LoopClaim
-        What is claimed of it.
+        The claim about it.
     region : RegionProof
         Which.
     surfaces : RuleSurfaces, optional

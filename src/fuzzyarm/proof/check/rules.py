@@ -1,4 +1,4 @@
-"""What a rule base says over a region, on its exact pieces: a sector, slopes, a range, bounds.
+"""A rule base over a region, on its exact pieces: a sector, slopes, a range, bounds.
 
 Where memberships are straight lines, the inputs fall into simplices on which an output is N/D, two
 polynomials. Cells between the corners of terms are cut along Kuhn's diagonals, and again wherever
@@ -167,7 +167,7 @@ class RuleSurface:
         return terms
 
     def _note(self, node: Any) -> None:
-        """Note the lines of the terms that an antecedent asks for."""
+        """Note the lines of the terms in an antecedent."""
         if isinstance(node, Is):
             variable = self.rulebase.variable(node.variable)
             if not isinstance(variable, Input):
@@ -192,7 +192,7 @@ class RuleSurface:
                 self.values.append((exact(shape.parameters[0]), none))
                 continue
             whole = self._set_of(shape)
-            if not self.of_sets:  # the middle of the highest stretch stands for it
+            if not self.of_sets:  # represented by the middle of the highest stretch
                 top = max(y for _, y0, _, y1 in whole.segments for y in (y0, y1))
                 at = [x for x0, y0, x1, y1 in whole.segments for x, y in ((x0, y0), (x1, y1))
                       if y == top]  # fmt: skip

@@ -122,7 +122,7 @@ class Spans:
         return found
 
     def _by_ends(self, how: Callable[[Any, Any], Any], other: Spans) -> Spans:
-        """Return what is monotone in each of both: its extremes are at ends."""
+        """Return the range of a function monotone in both arguments: its extremes are at ends."""
         found = [how(a, b) for a in (self.low, self.high) for b in (other.low, other.high)]
         return Spans(_below(np.minimum.reduce(found)), _above(np.maximum.reduce(found)))
 
@@ -193,7 +193,7 @@ class Spans:
         return bool(np.all(np.isfinite(self.low) & np.isfinite(self.high)))
 
     def union(self, other: Any) -> Spans:
-        """Return what holds both."""
+        """Return the hull of both."""
         other = Spans.of(other)
         return Spans(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
 
@@ -317,7 +317,7 @@ class Matrices:
                 for i in range(low.shape[-2])]  # fmt: skip
 
     def _rounded(self, near: Vector, far: Vector, size: Vector, count: int) -> Matrices:
-        """Return what was rounded so often, over a sum of magnitudes."""
+        """Return a bound of so many roundings, over a sum of magnitudes."""
         off = count * 2.0**-52 * size + np.where(size > 0.0, 1e-300, 0.0)
         return Matrices(near, (far + off) * (1.0 + 2.0**-40))
 

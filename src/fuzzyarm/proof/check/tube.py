@@ -75,12 +75,12 @@ class Haven(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What is to be shown of boxes.
+    """Demands on boxes.
 
     Attributes
     ----------
     claim : LoopClaim or None
-        What has to hold of an output on the way.
+        Demands on an output on the way.
     into : tuple of int
         Numbers of regions in which runs may arrive; none: they are followed to their last period.
     boxes : tuple of ndarray, optional
@@ -100,7 +100,7 @@ class Task(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """What became of a box: after how many periods it had arrived, and why it has not, if so."""
+    """Result of a box: the periods until it arrived, or why it has not."""
 
     periods: int
     against: str = ""
@@ -304,7 +304,7 @@ class Follower:
         periods : sequence of int
             For how long each, at most.
         task : Task
-            What is to be shown.
+            The demands.
         numbers : ndarray of int, optional
             Of each box: how many of the boxes of the task are before it; all by default.
         """
@@ -337,7 +337,7 @@ class Follower:
         self, group: _Group, last: Index, task: Task, numbers: Index | None,
         found: list[Followed],
     ) -> _Group | None:  # fmt: skip
-        """Return what of a group is on its way a period later; others are found out."""
+        """Return the boxes of a group still on their way a period later; others are concluded."""
         which, now, k = group
         claim, port, counts = task.claim, "", False
         if claim is not None and claim.output:
@@ -390,7 +390,7 @@ class Follower:
             level = self._level(number, now)
             inside = level <= 1.0
             if task.arrived is not None and inside.any():
-                # What a lower level does not show, a higher one does not.
+                # If a lower level does not show it, a higher one does not.
                 levels = np.unique(level[inside])[::-1]
                 enough = next((x for x in levels if task.arrived(k, float(x))), -1.0)
                 inside &= level <= enough

@@ -60,9 +60,9 @@ class ProgramWalk:
     Attributes
     ----------
     states : dict of str to float
-        What the loop remembers, by symbol, and what it is before the first period.
+        Memory of the loop, by symbol, with its start.
     begun : set of str
-        Those that begin as what is first seen, whatever stands in `states`.
+        Those that begin as their first input, whatever `states` contains.
     states_read : set of str
         Those that the last walk has read, as the period before had left them.
     at : str
@@ -123,11 +123,11 @@ class ProgramWalk:
         Parameters
         ----------
         numbers : NumberSystem
-            What it is done with.
+            The operation.
         outputs : mapping
             Of the plant, by axis and port.
         states : mapping of str
-            What the loop remembers; what is not there is as it begins.
+            Memory of the loop; missing parts have their start.
         first : bool
             Whether it is the first period.
 

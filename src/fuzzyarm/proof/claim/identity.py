@@ -54,7 +54,7 @@ def _canonical(value: object) -> str:
         value = [value.shape, *value.ravel().tolist()]
     if isinstance(value, tuple | list):
         return f"({', '.join(map(_canonical, value))})"
-    # What has an address is like nothing else: a certificate of it is refused.
+    # An object with an address equals nothing else: a certificate of it is refused.
     return value.hex() if isinstance(value, float) else repr(value)
 
 

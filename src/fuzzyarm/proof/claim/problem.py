@@ -32,7 +32,7 @@ from fuzzyarm.symbolic.operations import Interval
 
 
 class LoopProofError(FuzzyarmError, ValueError):
-    """Nothing can be proved about a loop; the message says why."""
+    """Nothing can be proved about a loop; the message has the reason."""
 
     def __init__(self, message: str, *, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -95,7 +95,7 @@ class LoopProblem:
     sensors : dict of (str, str) to Sensor
         By axis and port; those that are not there are exact.
     begins_alone : tuple of str
-        States that begin where the plant says, and not where a claim does.
+        States that begin at the plant's start, not at that of a claim.
     unknown_start : str
         Why it is not known where those begin; empty where it is.
     """
@@ -116,7 +116,7 @@ class LoopProblem:
         Raises
         ------
         LoopProofError
-            If a state begins where the plant says, and that is not one place.
+            If a state begins at the plant's start, and that is not a single point.
         """
         if self.unknown_start:
             boxes = ", ".join(f"{name} in LOW .. HIGH" for name in self.begins_alone)
@@ -224,7 +224,7 @@ def loop_problem(
         raise LoopProofError(
             f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
-    site.wiring(text.model)  # says which port is missing
+    site.wiring(text.model)  # names a missing port
     for name in set(site.connect) - connectable_names(text.model):
         # A sentence about the loop would say that it is joined.
         raise LoopProofError(f"nothing in {text.model.name} is called '{name}', to be connected")

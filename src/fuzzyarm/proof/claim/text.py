@@ -73,7 +73,7 @@ def _hint(text: str) -> str:
 
 
 def claim_text(claim: LoopClaim) -> str:
-    """Return a claim as it stands after ``prove``.
+    """Return a claim as written after ``prove``.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def claimed_plant(claim: LoopClaim, named: str | None = None, *, trust: bool = F
     Parameters
     ----------
     claim : LoopClaim
-        Which; one that stands in no file is trusted as its author is.
+        Its plant; one outside the file is trusted as its author is.
     named : str, optional
         The plant of the command line, whose file may run.
     trust : bool, optional

@@ -48,7 +48,7 @@ class Affine:
     parts : dict of str to Fraction
         Weights of the variables; none is 0.
     low, high : Fraction or None
-        What the signal cannot leave whatever the variables are, where that is known.
+        Bounds of the signal for all values of the variables, where known.
     """
 
     constant: Fraction
@@ -151,7 +151,7 @@ class SignalBound:
 
 
 Rules = Callable[["AffineAlgebra", RuleBase, Mapping[str, Affine]], list[Affine]]
-"""What stands for rule bases."""
+"""Affine forms of rule bases."""
 
 
 class AffineAlgebra(LoopAlgebra[Affine]):
@@ -164,7 +164,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
     Parameters
     ----------
     rules, table : callable
-        What rule bases and tables are.
+        Affine forms of rule bases and tables.
     grip : Fraction
         1: no limit is reached.
     is_search : bool
@@ -173,7 +173,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
     Attributes
     ----------
     blocks, bounds : list
-        What has been noted.
+        The records.
     gains, spread : list
         The same for a certificate, see :class:`fuzzyarm.proof.check.certificate.Evidence`.
     """
@@ -360,7 +360,7 @@ def _beyond(end: Fraction, most: Fraction, rest: Fraction) -> bool:
 
 
 def _end(value: float) -> Fraction:
-    """Return a limit as a number that may stand for infinity in a comparison."""
+    """Return a limit as a number, with a large one for infinity, for comparisons."""
     return (
         Fraction(value) if math.isfinite(value) else Fraction(10) ** 400 * (1 if value > 0 else -1)
     )

@@ -129,7 +129,7 @@ def certify_map(
 
 
 class _Halving:
-    """Boxes that the checker is asked to follow; those that it does not follow are halved.
+    """Boxes for the checker to follow; those that it cannot follow are halved.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class _Halving:
             self.lost[tube] = followed.against
 
     def certificate(self) -> Certificate:
-        """Return the certificate of what was found; the checker has accepted it as it stands."""
+        """Return the certificate of the result; the checker has accepted it as it is."""
         certificate = replace(self.whole, tubes=tuple(self.found))
         if self.found:
             demand_proved(self.problem, certificate, self.surfaces)

@@ -100,7 +100,7 @@ class ProveKeywords(_MapKeywords, total=False):
 OF_RULES = ("tolerance", "budget", "exact", "tell")
 OF_MAPS = ("over", "workers", "executor", "resume")
 OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell")
-"""Keywords that count where a rule base is asked, and a controller in its loop."""
+"""Keywords about a rule base, and about a controller in its loop."""
 
 
 @overload
@@ -176,7 +176,7 @@ def prove(
     -------
     Verdict, LoopVerdict, StartMap or tuple
         A verdict on the statement, with its evidence; with ``map=True`` a map of starts. Of a
-        request, or a path alone, a tuple of all that was asked: verdicts, what holds of drives,
+        request, or a path alone, a tuple of all results: verdicts, properties of drives,
         bounds, sectors, a tube or a map.
 
     Raises
@@ -229,7 +229,7 @@ def prove(
 
 
 def _wants_map(keywords: dict[str, Any]) -> bool:
-    """Tell whether a map is asked for; refuse its keywords where it is not."""
+    """Tell whether a map is requested; refuse its keywords otherwise."""
     if keywords.pop("map", False):
         return True
     for name in OF_MAPS:

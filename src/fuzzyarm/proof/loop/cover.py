@@ -1,4 +1,4 @@
-"""What of a window of states is proved so far, as somewhere for further boxes to arrive.
+"""The part of a window of states proved so far, as a target of further boxes.
 
 Where a loop remembers nothing and its window has all states of the plant, a run that comes into a
 proved box is as one that starts there. So the union of what is proved is a goal, which grows

@@ -56,7 +56,7 @@ CORNER_PARTS = 8
 
 
 class Demand(NamedTuple):
-    """What is asked of an output (or a drive): to be within bounds from one time to another, s."""
+    """A demand on an output (or a drive): within bounds from one time to another, s."""
 
     port: str
     low: float
@@ -113,7 +113,7 @@ class Nearness(NamedTuple):
 
 
 class FollowedBoxes(NamedTuple):
-    """What came of boxes that were followed side by side; times in control periods.
+    """Results of boxes that were followed side by side; times in control periods.
 
     Attributes
     ----------
@@ -173,11 +173,11 @@ class Follower:
     duration : float
         s; rounded up to whole control periods.
     demands : sequence of Demand, optional
-        What is asked.
+        The demands.
     stop : Stop, optional
         When to give up.
     goal : callable, optional
-        Where boxes are to arrive. Demands are asked of a box until then; boxes are followed until
+        Where boxes are to arrive. Demands hold for a box until then; boxes are followed until
         all have arrived.
 
     Attributes
@@ -259,7 +259,7 @@ class Follower:
     def follow(self, boxes: Sequence[Box], *, whole: bool = True) -> FollowedBoxes:
         """Follow boxes side by side; EnclosureError where one of them cannot be.
 
-        Unless the `whole` course is wanted, it ends where no box is left that all demands hold of.
+        Without `whole`, it ends where no box is left that all demands hold of.
         """
         with np.errstate(all="ignore"):  # non-finite boxes are refused in each period
             return self._follow(boxes, whole=whole)

@@ -4,10 +4,10 @@
 
 z is how far states and memory are from rest, w are the answers of the blocks. All matrices are
 rational; what a matrix exponential leaves unknown is a radius beside A and B. That this is the
-loop, within the bounds, is what a certificate stands on; the search reads the same numbers as
+loop, within the bounds, is the basis of a certificate; the search reads the same numbers as
 floats and is not trusted.
 
-How it is made stands in :mod:`fuzzyarm.proof.loop.form_maker`.
+It is made in :mod:`fuzzyarm.proof.loop.form_maker`.
 """
 
 from __future__ import annotations

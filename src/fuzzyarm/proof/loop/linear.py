@@ -261,7 +261,7 @@ def _coordinates(p: Vector) -> Vector:
 def _falling(
     a: Vector, b: Vector, c: Vector, basis: Vector, rate: float, *, continuous: bool
 ) -> Inequality:
-    """Return the inequality that says that V falls, in P and τ."""
+    """Return the inequality for the decrease of V, in P and τ."""
     n, m = len(a), b.shape[1]
     move = np.hstack([a, b])
     stay = np.hstack([np.eye(n), np.zeros((n, m))])

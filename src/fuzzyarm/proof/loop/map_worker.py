@@ -80,7 +80,7 @@ class MapWorker:
         self.cover = self._cover(problem)
 
     def _cover(self, problem: LoopProblem) -> Cover | None:
-        """Return what is proved so far, where a run that comes into it is as one that starts."""
+        """Return the region proved so far, where arriving is as good as starting."""
         names = self.haven.loop.names
         whole = tuple(self.pool.follower.names) == tuple(problem.states) == tuple(names)
         remembers = self.pool.control[1].memory or problem.text.model.every > 1

@@ -126,7 +126,7 @@ class WorstMargins:
 @json_properties("drive=name nominal worst=worst.margins gains=worst_gains where")
 @dataclass(frozen=True)
 class DriveMargins:
-    """What is known of the margins at one drive.
+    """The margins at one drive.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ def margins(
     controller : ControllerText, str or path-like
         The controller, or its file.
     plant : str or Plant
-        What it runs on.
+        Its plant.
     set_point : mapping of str to float, optional
         Constant, by port; 0 for others.
     parameters : mapping of str to (float, float), optional
@@ -360,10 +360,7 @@ class _Response:
         return float(brentq(self._left, low, high, xtol=1e-12 * h))
 
     def _left(self, delay: float) -> float:
-        """Return the dead time to the limit of a loop that has this one already, s.
-
-        Whole periods of it turn L alone, so that they need no states.
-        """
+        """Return the dead time to the limit of a loop that has this one already, s."""
         whole, part = divmod(self.loop.part + delay, self.loop.period)
         late = _Response(late_loop(self.loop, part))
         lags = (late._lag(omega) / omega for omega in late.crossovers)

@@ -1,4 +1,4 @@
-"""What a request of proving means, and what comes of it: verdicts, bounds, sectors, tubes."""
+"""The meaning of a request of proving, and its results: verdicts, bounds, sectors, tubes."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.table import compile_table
 
 Proof = Verdict | LoopVerdict | Checked | DriveProof | Bounds | Sector | Tube | StartMap
-"""What proving gives: by what was asked."""
+"""Results of a proof, by question."""
 
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of pieces or attempts, and the gap between the bounds."""
@@ -58,7 +58,7 @@ def _unheard(_statement: str, _count: int, _gap: float) -> None:
 
 
 def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
-    """Return all that a request asks for."""
+    """Return the results of a request."""
     require_sensible(request)
     if request.check is not None or request.sector or wants_loop(request) or bounds_one(request):
         return tuple(_single(request, request.files[0] if request.files else "", tell))
@@ -87,7 +87,7 @@ def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
 
 
 def _of_loop(request: ProveRequest, loop: ControllerText, tell: Tell) -> Iterable[Proof]:
-    """Return what a request asks of a loop: its map, its tube, or a claim."""
+    """Return the result about a loop: its map, its tube, or a claim."""
     if request.map:
         return [map_of(request, loop, lambda found: _told(found, tell))]
     if not request.stable and request.claim is None:
@@ -95,7 +95,7 @@ def _of_loop(request: ProveRequest, loop: ControllerText, tell: Tell) -> Iterabl
     return loops_of(request, loop, (claim_of(request),), tell)
 
 
-# --- What goes together ---
+# --- Fields that go together ---
 
 
 def require_sensible(request: ProveRequest) -> None:
@@ -129,7 +129,7 @@ def bounds_one(request: ProveRequest) -> bool:
 
 
 def wants_loop(request: ProveRequest) -> bool:
-    """Whether a claim about a loop, or a tube of it, is asked for beside the lines of a file."""
+    """Whether a request has a claim about a loop, or a tube, besides the lines of a file."""
     _require_map(request)
     required = (
         request.stable or request.map or request.claim is not None or request.duration is not None
@@ -147,7 +147,7 @@ def wants_loop(request: ProveRequest) -> bool:
 
 
 def _require_map(request: ProveRequest) -> None:
-    """Tell what goes with a map of starts, and what does not."""
+    """Refuse fields that do not go with a map of starts."""
     for name in ("over", "workers", "resume"):
         if getattr(request, name) is not None and not request.map:
             raise UsageError(f"--{name} goes with --map")
@@ -207,7 +207,7 @@ def bounds_of(
 
 
 def prover_of(request: ProveRequest, rulebase: RuleBase, output: str, tell: Tell) -> Prover:
-    """Return what bounds an output as a request says; it tells of its file, or of the output."""
+    """Return the bounds of an output, or of all outputs of the file."""
     what = request.files[0] if request.files else output
     stop = Stop(budget_of(request), lambda count, gap: tell(what, count, gap))
     stop.say(0)
@@ -294,7 +294,7 @@ def drives_of(
 
 
 def loop_of(request: ProveRequest, controller: ControllerText | None) -> ControllerText:
-    """Return the controller whose loop is asked about."""
+    """Return the controller of the loop in question."""
     if controller is None:
         raise WordError(
             f"{request.files[0]} is not a controller:"
@@ -359,14 +359,14 @@ def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
 
 
 def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
-    """Return the claim that the fields say: ``claim``, or ``stable`` with its parts.
+    """Return the claim of the fields: ``claim``, or ``stable`` with its parts.
 
     Parameters
     ----------
     request : ProveRequest
         With one of both.
     dashes : str, optional
-        What stands before the name of a field in a message; nothing in that of a page.
+        Prefix of a field's name in a message; empty in that of a page.
     """
     plant = request.plant or ""
     if request.claim is not None:
@@ -398,7 +398,7 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
 
 
 def margins_of_text(text: ControllerText, request: MarginsRequest) -> list[DriveMargins]:
-    """Return the margins of the loop of a controller, whatever its file says by now."""
+    """Return the margins of the loop of a controller, as loaded."""
     plant = request.plant
     if plant is None:
         site = site_by_axes(text.model, connections(ExperimentRequest(connect=request.connect)))
@@ -444,7 +444,7 @@ def _name(word: str) -> str:
 
 
 def _ended(claim: LoopClaim, request: ProveRequest) -> LoopClaim:
-    """Return a claim with the end that ``duration`` says."""
+    """Return a claim with the end given by ``duration``."""
     if request.duration is None:
         return claim
     if claim.stable or claim.when == "during":

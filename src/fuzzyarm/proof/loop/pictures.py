@@ -194,10 +194,7 @@ def _state(problem: LoopProblem, run: Run, name: str) -> Vector:
 
 
 def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
-    """Tell whether a run comes within a tenth of the way that it began away from rest.
-
-    A start whose outputs are at rest has to come within a thousandth of their ranges.
-    """
+    """Tell whether a run covers 9/10 of its way to rest, or comes within 0.001 of the ranges."""
     run = _run(problem, states)
     if run.diverged is not None:
         return False

@@ -100,7 +100,7 @@ def _taken(cells: _Cells, pick: list[slice], axis: int, start: int) -> _Cells:
 
 
 class PlaneGrid:
-    """The cells of one output, asked for the bands of many sets.
+    """The cells of one output, for the bands of many sets.
 
     Parameters
     ----------

@@ -170,7 +170,7 @@ CONDITIONS: dict[str, Callable[..., Intervals]] = {
     "either": lambda a, b: Intervals(np.maximum(a.low, b.low), np.maximum(a.high, b.high)),
     "negation": lambda a: Intervals(1.0 - a.high, 1.0 - a.low),
 }
-"""What conditions are over forms, or over the conditions that they join."""
+"""Conditions over forms, or over the conditions that they join."""
 
 
 def choice_of(condition: Intervals, then: Forms, otherwise: Forms) -> Forms:
@@ -256,7 +256,7 @@ _READINGS: dict[str, Callable[..., Any]] = {
     "where": choice_of,
     **CONDITIONS,
 }
-"""What each operation is over forms."""
+"""Each operation over forms."""
 
 
 _WITH_NUMBERS: dict[tuple[str, bool], Callable[[Forms, float], Forms]] = {

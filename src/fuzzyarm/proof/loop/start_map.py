@@ -53,7 +53,7 @@ class MappedBox(NamedTuple):
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
 class StartMap(Shown):
-    """What is known of the starts of a loop, all over a window.
+    """The starts of a loop, all over a window, with the results so far.
 
     Attributes
     ----------

@@ -220,7 +220,7 @@ def _opposites(variable: Variable) -> dict[str, str]:
 
 
 def _corners(shape: Shape, sign: float) -> tuple[object, ...]:
-    """Return what tells a shape from others, or its mirror image."""
+    """Return the key of a shape, or of its mirror image."""
     if shape.kind in ("singleton", "linear"):
         *weights, constant = shape.parameters
         return shape.kind, *weights, sign * constant
@@ -231,7 +231,7 @@ def _corners(shape: Shape, sign: float) -> tuple[object, ...]:
 
 
 def _key(rule: Rule, names: Mapping[str, Mapping[str, str]]) -> tuple[object, ...]:
-    """Return what a rule says, in the terms that are given for its own."""
+    """Return a rule with its terms replaced by the given ones."""
 
     def term(variable: str, name: str) -> str:
         return names[variable][name] if names else name

@@ -214,7 +214,7 @@ def tube(
     progress : callable, optional
         Told of how far it is.
     goal : callable, optional
-        Where boxes are to arrive; demands are asked of each until then. The tube goes as far as
+        Where boxes are to arrive; demands hold for each until then. The tube goes as far as
         all of them were followed.
 
     Returns
@@ -297,10 +297,7 @@ class _Bisection:
     def _followed(
         self, boxes: Sequence[Box], *, whole: bool
     ) -> list[tuple[list[Box], FollowedBoxes | None, Vector]]:
-        """Return boxes with what came of them; None for those that cannot be followed.
-
-        Behind it stands what widens them; so far as they were followed.
-        """
+        """Return boxes with their results (None: cannot be followed) and their widening."""
         try:
             course = self.follower.follow(boxes, whole=whole)
             return [(list(boxes), course, course.weight)]

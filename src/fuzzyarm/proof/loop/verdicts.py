@@ -105,7 +105,7 @@ class LoopVerdict(Shown):
     line : int
         Of the file; 0 for a claim from elsewhere.
     claim : LoopClaim or None
-        What is claimed.
+        The claim.
     haven : RegionProof or None
         The region into which a tube leads.
     """
@@ -183,7 +183,7 @@ def prove_loop(
     text : ControllerText
         The controller.
     claim : LoopClaim
-        What is claimed.
+        The claim.
     plant : Plant, optional
         In place of the one that the claim names. That one is loaded only if it is a shipped one, or
         if the claim does not stand in a file: else its code would run.
@@ -286,7 +286,7 @@ class _Case:
         return verdict
 
     def _by_tube_and_region(self, problem: LoopProblem, maker: FormMaker) -> LoopVerdict | None:
-        """Return what a tube as far as a proved region says; None where there is no such region."""
+        """Return the verdict of a tube as far as a proved region; None without such a region."""
         stable = self._searched(maker, claim_of_stability(self.claim), self.stop.half())
         if stable.certificate is None:
             return None
@@ -377,7 +377,7 @@ class _Case:
     def _judged(
         self, maker: FormMaker, claim: LoopClaim, proposal: Proposal
     ) -> tuple[LoopVerdict | None, str]:
-        """Return what the checker, and runs as witnesses, say of a proposal."""
+        """Return the verdict of the checker, and of runs as witnesses, on a proposal."""
         assert proposal.form.evidence is not None
         region = RegionProof(
             proposal.form.evidence, self.continuous, proposal.p, proposal.multipliers,

@@ -1,6 +1,6 @@
 """Runs as witnesses against a proved region: other code than that which proved it.
 
-A certificate stands on what the checker derives of the loop. The kernel that ``simulate`` runs
+A certificate rests on what the checker derives of the loop. The kernel that ``simulate`` runs
 shares nothing with that but the controller's instructions and the plant. So before *proved* is said
 of a region, runs begin at its border, and V must fall along them. They prove nothing; one that
 contradicts says that fuzzyarm is wrong.
@@ -51,7 +51,7 @@ def contradiction(
     loop : CheckedLoop
         As the checker derived it.
     certificate : RegionProof
-        Of the loop as sampled; of continuous time nothing is asked.
+        Of the sampled loop; continuous time has none.
     count : int, optional
         How many runs.
     stop : Stop, optional

@@ -1,4 +1,4 @@
-"""What holds of a rule base at every point: bounds, slopes, symmetry, errors of a table.
+"""Properties of a rule base at every point: bounds, slopes, symmetry, errors of a table.
 
 :func:`prove` gives a :class:`Verdict` on a statement; :class:`Prover` gives single bounds. A
 rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into

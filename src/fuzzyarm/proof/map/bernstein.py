@@ -63,7 +63,7 @@ def lattice(dimension: int, degree: int) -> tuple[Index, ...]:
 
 @cache
 def vertices_of(dimension: int, degree: int) -> tuple[int, ...]:
-    """Return where the coefficients at the vertices stand."""
+    """Return the indices of the coefficients at the vertices."""
     indices = lattice(dimension, degree)
     return tuple(
         indices.index(tuple(degree if i == j else 0 for i in range(dimension + 1)))
@@ -350,7 +350,7 @@ class Extremum(NamedTuple):
     reached : number
         A value that is attained, or a limit; None if there is none.
     bound : number
-        What no value exceeds; None where there is no value.
+        Bound of all values; None where there is no value.
     corner : ndarray or None
         Where, in shares of the cell of the piece.
     owner : int
@@ -358,7 +358,7 @@ class Extremum(NamedTuple):
     pieces : int
         How many simplices were looked at.
     left : Quotients
-        What could not be decided: empty where `bound` is within the tolerance of `reached`.
+        The undecided pieces: none where `bound` is within the tolerance of `reached`.
     """
 
     reached: Any

@@ -1,4 +1,4 @@
-"""What a proof comes to, and how far bounds are widened: shared by pieces and boxes."""
+"""Results of a proof, and the widening of bounds: shared by pieces and boxes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ WIDENED = 1e-12
 """Share of an output's range by which bounds that floats found are widened outward."""
 
 GAP = 1e-8
-"""Share of an output's range to which bounds are sought where nothing else is asked for."""
+"""Default share of an output's range to which bounds are sought."""
 
 LIKE_EXPECT = 1e-9
 """Share of an output's range to which ``=``, ``odd`` and sectors hold, as ``expect`` lines do."""
@@ -33,14 +33,14 @@ class NothingFiresError(UnprovableError):
 
 @json_properties("low high at_low at_high hole pieces way")
 class Bounds(NamedTuple):
-    """What an output, its slope or the error of a table cannot leave.
+    """Bounds of an output, its slope or the error of a table.
 
     Attributes
     ----------
     low, high : float
         The bounds, rounded outward.
     reached_low, reached_high : float
-        What is attained, or is a limit; NaN where nothing was evaluated.
+        Attained values, or limits; NaN where nothing was evaluated.
     at_low, at_high : dict of str to float
         Where, to the nearest floats.
     pieces : int

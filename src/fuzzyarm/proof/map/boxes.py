@@ -118,7 +118,7 @@ class Boxes:
 
     @property
     def says_no_rule(self) -> bool:
-        """Whether a number stands where no rule fires."""
+        """Whether there is a number where no rule fires."""
         no_rule = self.output.output.no_rule
         return isinstance(no_rule, int | float) and not math.isnan(no_rule)
 
@@ -308,7 +308,7 @@ class Boxes:
         return _Found(max(closed_top, best), best, where, count, complete=True)
 
     def _first(self, positions: Sequence[Sequence[float]]) -> tuple[Array, Array]:
-        """Return the box cut at corners of terms (where they are few) and where asked for."""
+        """Return the box cut at corners of terms (where they are few) and at given points."""
         cuts: list[list[float]] = []
         for variable, (low, high), extra in zip(
             self.plan.rulebase.inputs, self.ends, positions, strict=True
@@ -380,10 +380,7 @@ class Boxes:
         return np.where(undecided, -np.inf, least), np.where(undecided, np.inf, most)
 
     def _with_chained(self, low: Array, high: Array) -> tuple[Array, Array, Array]:
-        """Return boxes with the bounds of the outputs that are read, and where one may have none.
-
-        Such a box is open: it has to be cut until a rule fires all over it.
-        """
+        """Return boxes with bounds of the outputs read, and where one may have none (to be cut)."""
         undecided = np.zeros(len(low), dtype=bool)
         columns: list[Interval] = []
         for boxes in self._chained.values():

@@ -253,7 +253,7 @@ def ends_of_average_bounds(
     nothing = ~can_count.any(axis=-1)
 
     def inner(numbers: Array) -> Array:
-        """Return what weights reach that are there in any case; behind it is the end."""
+        """Return the position reached by the certain weights; the end comes after it."""
         whole = np.broadcast_to(numbers, can_count.shape)
         return np.where(nothing, np.nan, _last_above(whole, lower[1], upper[0], can_count))
 

@@ -1,4 +1,4 @@
-"""What the static part of a controller does: its drives' ranges, limits, gains and sectors.
+"""The static part of a controller: ranges, limits, gains and sectors of its drives.
 
 Between what it measures or remembers and its drives a controller is a map without memory: sums
 and products, rule bases, tables. Its *sources* (errors, rates, integrals …) count as
@@ -97,7 +97,7 @@ class DriveSector:
 @json_properties("drive=name * -axis -port")
 @dataclass(frozen=True, kw_only=True)
 class DriveProof:
-    """What is proved of one drive.
+    """Proved properties of one drive.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class DriveProof:
     sectors : tuple of DriveSector
         Along each source, then along the linear law.
     open : tuple of str
-        What could not be proved, and why.
+        Unproved properties, with reasons.
     hole : str
         Where it is not a number, or why that is open: then its range is not proved. Else empty.
     """
@@ -221,7 +221,7 @@ class _AxisCase:
 
     @staticmethod
     def _limited(drives: Sequence[tuple[Drive, SignalLaw]], farthest: float) -> SignalLaw:
-        """Return what goes out: limits held, lines of a port added; σ goes to ± `farthest`."""
+        """Return the drives: limits held, lines of a port added; σ goes to ± `farthest`."""
         total = constant(0.0)
         for line, law in drives:
             limits = None if line.within is None else Interval(*line.within)
@@ -253,7 +253,7 @@ class _AxisCase:
         )  # fmt: skip
 
     def _expanded(self, source: str) -> Iterator[tuple[str, Interval, Unit | None]]:
-        """Yield what a source consists of: name by ports, gain, unit."""
+        """Yield the parts of a source: name by ports, gain, unit."""
         of, inner = self.lines.definitions[source]
         kind, reach = of.record, self.sources.get(source)
         # Of what is not linear the slopes of its signal are not its own.
@@ -349,7 +349,7 @@ class _AxisCase:
         return "open", {}
 
     def value_at(self, port: str, point: Mapping[str, float], *, limited: bool = False) -> float:
-        """Return what a drive is at a point of its sources, by inference."""
+        """Return a drive at a point of its sources, by inference."""
         self.lines.only_values = True
         try:
             at = {name: Interval(x, x) for name, x in point.items()}
@@ -372,7 +372,7 @@ def _cut_off(law: SignalLaw, limits: Interval, farthest: float) -> SignalLaw:
         gains = around = "the drive is at a limit at rest"
     if isinstance(along, Interval) and not inside(law.at, limits):
         if limits.low < 0.0 < limits.high:
-            # What is cut off is still as large as the nearer limit, at the farthest σ.
+            # A limited signal is still as large as the nearer limit, at the farthest σ.
             least = min(-limits.low, limits.high) / farthest if farthest else 0.0
             along = Interval(
                 min(along.low, least) if along.low > 0.0 else along.low,
@@ -448,7 +448,7 @@ def prove_drives(
     text : ControllerText
         With its rule bases and tables.
     plant : Plant, optional
-        Whose ports say where errors and measured values are; by default the shipped plant with
+        Its ports have the ranges of errors and measured values; by default the shipped plant with
         the controller's axes, if there is one. What nothing bounds is unbounded.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.

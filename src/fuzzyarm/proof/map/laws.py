@@ -1,4 +1,4 @@
-"""What is known of a signal as a function of its sources: range, slopes, multiples of a sum.
+"""A signal as a function of its sources: range, slopes, multiples of a sum.
 
 A :class:`SignalLaw` goes through sums, products and tables; ranges and multiples are rounded
 outward, slopes are the nearest floats.

@@ -64,7 +64,7 @@ def hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
 class Degrees:
     """Bounds of memberships over stretches, each found once.
 
-    The stretches of `others`, which stand after those of `names`, differ from box to box: they
+    The stretches of `others`, after those of `names`, differ from box to box: they
     are not remembered.
     """
 
@@ -119,7 +119,7 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
-        # A few parts: an expression in which x stands twice has wide bounds over a long stretch.
+        # A few parts: an expression with x in it twice has wide bounds over a long stretch.
         expression, parts = specialise(record.expression, numbers), PARTS
 
     def of_stretch(low: float, high: float) -> tuple[float, float]:

@@ -75,7 +75,7 @@ class Cell(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """What is cut: the box of the inputs, and where they are cut besides at corners.
+    """The box of the inputs, and cuts besides those at corners.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Cut(NamedTuple):
     positions : tuple of sequences of Fraction
         Further cuts of each input.
     mirrored : bool
-        Whether the heights at the opposite point (each input with the other sign) are wanted
+        Whether the heights at the opposite point (each input with the other sign) are needed
         too: columns after the others.
     form : tuple of Fraction
         Weights of a sum of the inputs; pieces are cut where it is 0.
@@ -353,10 +353,7 @@ class Pieces:
         return values
 
     def _runs_backwards(self, axis: int) -> Array:
-        """Tell the cells whose memberships read the other way round come first in order.
-
-        Then the diagonals of neighbours meet as the crossings of their memberships do.
-        """
+        """Tell the cells with reversed memberships, so that diagonals of neighbours meet."""
         ends = [e for i, e in zip(self.grid.inputs, self.grid.ends, strict=True) if i == axis]
         marks = []
         for cell in range(len(self.grid.cells[axis])):
@@ -583,7 +580,7 @@ class Pieces:
         self.count = end
         for values in (self._corners, self._heights):
             a, b = values[which, above], values[which, below]
-            # The new vertex stands for `below` in the new piece, and for `above` in the old one.
+            # The new vertex replaces `below` in the new piece, and `above` in the old one.
             middle = a + share[:, None] * (b - a)
             values[start:end] = values[which]
             values[start + rows, below] = middle
@@ -618,7 +615,7 @@ def cut(
     arithmetic : Arithmetic
         Floats or rationals.
     only : ndarray of int, optional
-        Numbers of the cells that are wanted (:attr:`Pieces.flat_cells`); all by default.
+        Numbers of the cells (:attr:`Pieces.flat_cells`); all by default.
     stop : Stop, optional
         When to give up.
 

@@ -154,11 +154,7 @@ class _OfHighest(Places):
 
 
 def _level(member: Member, strength: Interval, top: Interval) -> _Level:
-    """Return between which levels a set is cut for the positions at which it is the highest.
-
-    As :mod:`fuzzyarm.inference.positions` does: at its strength where that clips it,
-    at its peak elsewhere.
-    """
+    """Return the levels between which a set is cut: its strength if clipped, else its peak."""
     clips = CLIPPING.get(member.implication, ()) if member.implication != "bounded" else ()
     if not clips:
         return _Level(*(np.broadcast_to(end, strength[0].shape) for end in top))

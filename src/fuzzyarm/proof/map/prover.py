@@ -503,7 +503,7 @@ class Prover:
             exact = self.surface(question, rationals(), np.unique(surface.pieces.flat_cells[left]))
             return exact, question.make(exact)
         except TimeOverError:
-            return None  # the bounds of floats stand
+            return None  # the bounds of floats hold
 
     def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
         number, quotients = rationals().number, exact[1]

@@ -1,11 +1,11 @@
-r"""What an output is beside a linear law: its slopes at a point, and the sector that it lies in.
+r"""An output beside a linear law: its slopes at a point, and its sector.
 
 With σ = Σ wᵢ xᵢ an output u lies in the sector [k₁, k₂] where
 
     k₁ σ² ≤ u σ ≤ k₂ σ²,
 
 so that u is σ times a gain between k₁ and k₂, whatever else it depends on: what the circle
-criterion asks for. Along one input (the others at 0) σ is that input; over several it is a sum
+criterion requires. Along one input (the others at 0) σ is that input; over several it is a sum
 of them, and u has to vanish where σ does. On pieces that are cut at σ = 0 the quotient u / σ is
 one of polynomials, like everything else (:mod:`fuzzyarm.proof.map.surface`). At σ = 0 both vanish,
 which floats cannot tell from nearly: sectors are found in rationals.
@@ -96,7 +96,7 @@ def sector(
     NoSectorError
         If u is not 0 somewhere where σ is.
     UnprovableError
-        If the rule base is not made of straight pieces, or does not say a value everywhere.
+        If the rule base is not made of straight pieces, or has no value somewhere.
 
     Examples
     --------
@@ -117,13 +117,13 @@ def sector(
     if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
     slack = _slack(exact, QuotientProblem(box, lambda surface: surface.over_form(form), form=form))
-    # The tolerance is one of u; u / σ is asked for to that over the largest |σ|.
+    # The tolerance is one of u; u / σ is sought to that over the largest |σ|.
     far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
     share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
 
     def side(sign: int) -> Bounds:
         def make(surface: Surface) -> Quotients:
-            # Within the slack u counts as inside: k₁ is asked of u + slack, k₂ of u − slack.
+            # Within the slack u counts as inside: k₁ is that of u + slack, k₂ that of u − slack.
             quotients = surface.over_form(form, -sign * slack)
             return quotients if sign > 0 else quotients.negated()
 

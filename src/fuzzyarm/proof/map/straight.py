@@ -1,4 +1,4 @@
-"""What of a rule base is made of straight pieces, as exact numbers.
+"""The straight pieces of a rule base, as exact numbers.
 
 Let every membership be made of straight lines and every antecedent of minima, maxima and
 complements. Then the inputs fall into simplices on which all heights are affine, and an
@@ -28,7 +28,7 @@ Corners = tuple[tuple[Fraction, Fraction], ...]
 
 
 class NotStraightError(FuzzyarmError, ValueError):
-    """What keeps a rule base from being cut into exact pieces; the message names it."""
+    """Part of a rule base that cannot be cut into exact pieces; the message names it."""
 
 
 class Proposition(NamedTuple):

@@ -1,7 +1,7 @@
 """An output over the pieces as quotients of polynomials: its value, slopes, errors of a table.
 
 Area A and moment M (about the centre of the output's range) are evaluated at the lattice of
-each simplex, then turned into Bernstein coefficients. What a statement asks for is again a
+each simplex, then turned into Bernstein coefficients. The question of a statement is again a
 quotient with a denominator that is nowhere negative:
 
     value      M / A                        slope    (M′A − MA′) / A²
@@ -73,9 +73,9 @@ class Surface:
     model : Straight
         The rule base.
     pieces : Pieces
-        What it was cut into.
+        The pieces.
     centre : number
-        What the moments are about: the value is centre + M / A.
+        The centre of the moments: the value is centre + M / A.
     reach : float
         How far the value may be from the centre.
     degree : int
@@ -238,7 +238,7 @@ class Surface:
         return owner, self.pieces.corners[owner, columns[0]]
 
     def nearly_silent(self, *, valued: bool) -> Array:
-        """Return the pieces of which floats cannot say that a rule fires everywhere."""
+        """Return the pieces of which floats cannot decide whether a rule fires everywhere."""
         return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 
     def _fired(self, *, valued: bool) -> Array:

@@ -28,7 +28,7 @@ def table_proof(
     Parameters
     ----------
     rulebase : RuleBase
-        What the tables stand for.
+        The rule base that the tables replace.
     output : str
         The output.
     seconds : float
@@ -79,7 +79,7 @@ def cell_errors(
     table : LookupTable
         Of one or more inputs, in the order of its axes.
     rulebase : RuleBase
-        What it stands for.
+        The rule base that it replaces.
     mode : str
         How it is looked up.
     stop : Stop, optional

@@ -43,12 +43,12 @@ Tell = Callable[[str, int, float], None]
 @json_properties("property=statement verdict bound evidence pieces seconds way reason line")
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Verdict(Shown):
-    """What is known of one statement.
+    """The result of one statement.
 
     Attributes
     ----------
     statement : str
-        The statement, as it stands after ``prove``.
+        The statement, as written after ``prove``.
     verdict : str
         ``proved``, ``refuted`` or ``undecided``.
     bound : tuple of float, float or None
@@ -148,7 +148,7 @@ def read_property(rulebase: RuleBase, text: str, argument: str = "") -> Property
 
 
 def property_text(claim: Property, rulebase: RuleBase) -> str:
-    """Return a statement as it stands after ``prove``.
+    """Return a statement as written after ``prove``.
 
     Parameters
     ----------
@@ -426,7 +426,7 @@ class _Case:
         return self._said(REFUTED, reason=missing.reason)
 
     def _silence(self, at: Mapping[str, Any]) -> str:
-        """Say where no rule fires, and whether floats say so, too."""
+        """Report where no rule fires, and whether floats agree."""
         from fuzzyarm.inference import compiled, explain
 
         self._note(at)
@@ -448,7 +448,7 @@ class _Case:
         """Remember a point at which the statement fails, if it is refuted."""
         self.failing.append({name: float(x) for name, x in at.items()})
 
-    # --- evidence: what floats say of a point that is found in exact arithmetic ---
+    # --- evidence: floats at a point found in exact arithmetic ---
 
     def _inferred(self, at: Mapping[str, Any]) -> float | None:
         """Return the output at a point as inference gives it; None where it has none."""
@@ -493,10 +493,7 @@ class _Case:
     def _shown(
         self, at: Mapping[str, Fraction], fails: Callable[[Fraction], bool]
     ) -> tuple[str, ...]:
-        """Return a point, at which exact arithmetic says that a statement fails, as evidence.
-
-        Nothing but a sentence, where inference with its roundings does not show it.
-        """
+        """Return a point of failure as evidence, or a sentence if inference hides it."""
         near = {name: float(x) for name, x in at.items()}
         confirmed = self._confirmed(near, fails)
         if confirmed is not None:
@@ -735,7 +732,7 @@ class _Beyond:
 def _interval(
     relation: str, value: float, other: float | None, width: float
 ) -> tuple[float, float, bool]:
-    """Return what a relation allows: the ends of an interval, and whether they are excluded."""
+    """Return the interval that a relation allows, and whether its ends are excluded."""
     if relation == "in":
         assert other is not None
         return value, other, False

@@ -167,7 +167,7 @@ class AxisLines:
 
 
 class Asked(NamedTuple):
-    """What a walk is about: where the sources are, and the weights of σ (none: no sector)."""
+    """The subject of a walk: ranges of the sources, and the weights of σ (none: no sector)."""
 
     at: Mapping[str, Interval]
     form: Mapping[str, float]
@@ -175,7 +175,7 @@ class Asked(NamedTuple):
 
 @dataclass
 class _Notes:
-    """What a walk has seen on its way.
+    """Records of a walk.
 
     `zones`: where each source keeps its inputs within their universes; `points`: sources at
     which rule bases have their extremes; `groups`: the sources that meet in a rule base; `flat`:
@@ -189,7 +189,7 @@ class _Notes:
 
 
 class LineWalk(Algebra[SignalLaw]):
-    """Laws as the numbers of a control period of an axis, with sources where they are asked for."""
+    """Laws as the numbers of a control period of an axis, with sources where needed."""
 
     def __init__(self, case: AxisLines, question: Asked) -> None:
         self.case = case
@@ -248,7 +248,7 @@ class LineWalk(Algebra[SignalLaw]):
     # --- sources ---
 
     def source(self, update: Update[SignalLaw]) -> SignalLaw:
-        """Return a curve of its signal, or a source of its own, where it is asked for."""
+        """Return a curve of its signal, or a source of its own, where needed."""
         of = update.source
         curve = self._curve(update)
         if curve is not None:
@@ -523,7 +523,7 @@ def _chained(slopes: Slopes, laws: Mapping[str, SignalLaw]) -> tuple[Gains | str
 
 
 def _simple(ratio: Fraction) -> Fraction:
-    """Return a ratio of floats as the small fraction that it stands for, where there is one."""
+    """Return a ratio of floats as the small fraction nearest to it, where there is one."""
     near = ratio.limit_denominator(10**6)
     return near if abs(near - ratio) <= abs(ratio) / 10**12 else ratio
 

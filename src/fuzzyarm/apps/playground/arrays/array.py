@@ -104,7 +104,7 @@ class ndarray:
         self._memory, self.dtype, self.shape, self._start = memory, kind, shape, start
         self._step = _steps(shape) if steps is None else steps
 
-    # --- What it is ---
+    # --- Properties ---
 
     @property
     def ndim(self) -> int:
@@ -268,7 +268,7 @@ class ndarray:
             full = list(values) if not isinstance(values, repeat) else [next(values)] * size
             memory[view._start : view._start + size] = _memory(full, view.dtype)
             return
-        # Where a mask is nowhere true there is no place at all.
+        # A mask that is nowhere true has no position.
         for place, one in zip(view._places() if places is None else places, values, strict=False):
             memory[place] = one
 

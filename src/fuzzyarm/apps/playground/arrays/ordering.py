@@ -73,11 +73,11 @@ def isin(values: Any, among: Any) -> ndarray:
 
 
 def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
-    """Return where values would stand among points."""
+    """Return the positions of values among points."""
     row = elements(array_of(points))
     find = bisect_left if side == "left" else bisect_right
     size = len(row)
-    # Each NaN stands behind all numbers, which nothing may be compared with.
+    # NaNs, which compare with nothing, come after all numbers.
     numbers = size - builtins.sum(x != x for x in row)
     of_nan = numbers if side == "left" else size
     return operate(lambda x: of_nan if x != x else find(row, x, 0, numbers), (values,), WHOLE)

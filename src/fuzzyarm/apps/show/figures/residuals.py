@@ -19,7 +19,7 @@ def validation_figure(validation: Validation, target: str, title: str) -> Figure
     Parameters
     ----------
     validation : Validation
-        What is drawn; without a target only the rules.
+        The picture; without a target only the rules.
     target : str
         Its name.
     title : str

@@ -145,10 +145,7 @@ class ResponseFigure:
 
 
 def _points(variable: Variable, count: int, *, edges: bool) -> Any:
-    """Return the samples of a variable: even ones, and the bends of its terms.
-
-    With `edges` both sides of these points, so that a step is vertical.
-    """
+    """Return samples of a variable: even ones and bends of its terms, with `edges` both sides."""
     import numpy as np
 
     low, high = visible_range(variable)
@@ -420,10 +417,7 @@ def _meshes(points: Any, axis: Axis) -> Any:
 
 
 def _name_lines(axes: Axes, lines: Any) -> None:
-    """Label contour lines, except on a cliff, where lines of several levels meet.
-
-    Of overlapping labels only the first is written.
-    """
+    """Label contour lines without overlaps, and not on a cliff, where several levels meet."""
     from matplotlib.patheffects import withStroke
 
     circles: list[tuple[float, float, float]] = []
