@@ -74,6 +74,37 @@ class Unpowered(Pendulum):
         return x[1], 0.0 if u[0] in (0.0, 24.0) else u[0] - x[1]
 
 
+class Stuck(Pendulum):
+    """Dry friction: at rest it holds against small voltages, which no drawn point meets."""
+
+    def derivative(self, t, x, u, p):
+        if x[1] == 0.0 and abs(u[0]) < 0.5:
+            return 0.0, 0.0
+        return x[1], u[0] - 3.0 * x[1]
+
+
+class Moded(Pendulum):
+    """A mode that its own value of the parameter does not choose."""
+
+    def derivative(self, t, x, u, p):
+        return x[1], u[0] + 20.0 * x[0] if p[2] == 7.0 else u[0] - x[0]
+
+
+class Meeting(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], 1.0 if x[0] == u[0] else u[0]
+
+
+class Chosen(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], 1.0 if u[0] in {0.3125, 7.75} else u[0]
+
+
+class Tabled(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], u[0] - {0.3125: 5.0}.get(p[2], 0.0)
+
+
 class Kind(Pendulum):
     def derivative(self, t, x, u, p):
         return x[1], u[0] if isinstance(u[0], float) else 0.0
@@ -134,8 +165,11 @@ def test_arithmetic_and_functions_of_math_are_traced():
 
 @pytest.mark.parametrize(
     "plant",
-    [Asking, Random, Counting, Short, Remainder, Resting, Unpowered, Kind, Trying, Leaving],
-)
+    [
+        Asking, Random, Counting, Short, Remainder, Resting, Unpowered, Stuck, Moded, Meeting,
+        Chosen, Tabled, Kind, Trying, Leaving,
+    ],
+)  # fmt: skip
 def test_what_asks_for_values_or_changes_its_answer_is_not_traced(plant):
     assert traced(as_plant(plant())) is None
 

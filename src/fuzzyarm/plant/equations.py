@@ -30,7 +30,7 @@ import numpy as np
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.evaluation import evaluate
 from fuzzyarm.symbolic.kernels import copied, with_names
-from fuzzyarm.symbolic.nodes import Node, as_node, symbol
+from fuzzyarm.symbolic.nodes import Node, as_node, comparing_values, symbol
 from fuzzyarm.symbolic.programs import program_of
 
 USERS = (Exception, SystemExit)
@@ -177,8 +177,8 @@ MOST_AGREED = 1000
 def _agrees(plant: Any, roots: Roots) -> bool:
     """Whether traced expressions agree with the equations at various points.
 
-    A symbol equals no number, is not a float, and has a remainder of another sign: code that tests
-    such things treats symbols differently from numbers.
+    A symbol is not a float, and has a remainder of another sign: code that tests such things, or
+    catches every error, treats symbols differently from numbers.
     """
     rates, outputs = roots
     key = (*rates, *(outputs or ()))
@@ -234,15 +234,18 @@ def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], .
     yield (0.0,), start, zero, parameters
     yield (1.0,), start, low, parameters
     yield (2.0,), start, high, parameters
-    # Whole numbers reveal tests of equality and remainders; random points at several scales the
-    # rest.
+    # Whole numbers, of parameters too, reveal modes and remainders; random points at several scales
+    # the rest.
     for whole in (-1.0, 0.0, 1.0, 2.0):
-        yield (whole,), [whole] * count, [whole] * len(low), parameters
+        for numbers in (parameters, [whole] * len(parameters)):
+            yield (whole,), [whole] * count, [whole] * len(low), numbers
     generator = np.random.default_rng(0)
     for spread in (0.1, 1.0, 1.0, 10.0):
         states = (np.array(start) + spread * generator.standard_normal(count)).tolist()
         inputs = generator.uniform(low, high).tolist()
-        yield (float(generator.uniform(0.0, 5.0)),), states, inputs, parameters
+        near = (np.array(parameters) * generator.uniform(0.5, 1.5, len(parameters))).tolist()
+        for numbers in (parameters, near):
+            yield (float(generator.uniform(0.0, 5.0)),), states, inputs, numbers
 
 
 Roots = tuple[list[Node], list[Node] | None]
@@ -300,7 +303,8 @@ def _roots(
     arguments = (symbol(time), *([symbol(name) for name in group] for group in groups))
     symbolic = over_symbols(function)
     try:
-        first, again = ([as_node(rate) for rate in symbolic(*arguments)] for _ in range(2))
+        with comparing_values():
+            first, again = ([as_node(rate) for rate in symbolic(*arguments)] for _ in range(2))
     except USERS:  # anything may be raised on symbols
         return None
     # A function with random numbers or counters differs between two calls.

@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import ClassVar, TypeAlias
 from weakref import WeakValueDictionary
 
@@ -18,16 +20,41 @@ from weakref import WeakValueDictionary
 # expressions of discarded rule bases are freed.
 _nodes: WeakValueDictionary[tuple[object, ...], Node] = WeakValueDictionary()
 
+_of_values: ContextVar[bool] = ContextVar("of_values", default=False)
+
+
+@contextmanager
+def comparing_values() -> Iterator[None]:
+    """Refuse equality of different nodes: code that was written for numbers means their values."""
+    token = _of_values.set(True)
+    try:
+        yield
+    finally:
+        _of_values.reset(token)
+
 
 class Node:
     """Base of all nodes: equality is identity, and Python's operators build expressions.
 
     A comparison gives a condition; ``op.where`` chooses by it. Conditions are combined by ``&``,
     ``|`` and ``~``. Equality of values is ``op.equal``: ``==`` tests whether two nodes are the same
-    expression.
+    expression, and is refused with a number.
     """
 
     __slots__ = ("__weakref__",)
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        # `if x == 0` would be false of every symbol, and the branch lost without a word.
+        if _of_values.get() or not isinstance(other, Node):
+            raise TypeError("an expression equals no number while it is traced: use op.equal")
+        return False
+
+    def __hash__(self) -> int:
+        if _of_values.get():  # `x in {0.0, 1.0}` compares hashes first
+            raise TypeError("an expression is in no set of numbers while it is traced")
+        return id(self)
 
     def __add__(self, other: Number) -> Node:
         return apply("add", self, other)
