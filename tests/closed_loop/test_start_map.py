@@ -237,6 +237,73 @@ def test_a_cover_holds_only_what_is_proved() -> None:
         assert within.all(axis=2).any(axis=1).all()
 
 
+TIPPING = """
+from fuzzyarm.plant import Parameter, Plant, Port
+
+class Tipping(Plant):
+    axis = "a"
+    inputs = {"u": Port("N", -1, 1)}
+    outputs = {"x": Port("m", -3, 3, bound=20), "w": Port("m", -1, 1, bound=100)}
+    states = {"x": "m", "w": "m"}
+    parameters = {"k": Parameter(1.0)}
+    longest_step = 0.01
+
+    def derivative(self, t, x, u, p):
+        return [p[0] * x[0] + u[0], -x[1]]
+"""
+
+
+@pytest.fixture
+def tipping(tmp_path: Path) -> tuple[Path, Path]:
+    """A loop that is lost from beyond 1, as x' = x + u with u of at most 1 in size shows."""
+    law = "period 10 ms\naxis a\n  e = error of x\n  drive u = e * 2, within -1 .. 1\n"
+    (tmp_path / "tip.frb").write_text(f"controller tip\n{law}")
+    (tmp_path / "tip.py").write_text(TIPPING)
+    return tmp_path / "tip.frb", tmp_path / "tip.py"
+
+
+def test_an_interrupted_map_of_an_odd_loop_counts_each_box_once(
+    tmp_path: Path, tipping: tuple[Path, Path]
+) -> None:
+    controller, plant = tipping
+    journal = tmp_path / "map.csv"
+    asked: dict[str, Any] = {
+        "plant": str(plant), "map": True, "over": "x in -3 .. 3, w in -1 .. 1", "budget": 60.0
+    }  # fmt: skip
+    whole = fuzzyarm.prove(controller, **asked, resume=str(journal))
+    lines = journal.read_text().splitlines(keepends=True)
+    halves = [fuzzyarm.prove(controller, **asked, workers=2)]
+    for share in (3, 2):  # as interruptions leave the journal
+        journal.write_text("".join(lines[: len(lines) // share]))
+        halves.append(fuzzyarm.prove(controller, **asked, resume=str(journal)))
+    for found in (whole, *halves):
+        proved = [box for box in found.boxes if box.verdict == "proved"]
+        assert max(max(-box.low[0], box.high[0]) for box in proved) <= 1.0
+        assert 0.3 < found.share("proved") <= 1.0 / 3.0
+
+
+def test_a_map_is_of_one_value_of_each_parameter(tipping: tuple[Path, Path]) -> None:
+    controller, plant = tipping
+    with pytest.raises(ClaimError, match="no interval of a parameter, as of k"):
+        fuzzyarm.prove(
+            controller, plant=str(plant), map=True, over="x in -1 .. 1", with_=["k in 0.9 .. 1.1"]
+        )
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])
+def test_a_cover_misses_the_smallest_box(dimensions: int) -> None:
+    window = Box((-1.0,) * dimensions, (2.0,) * dimensions, (0,) * dimensions)
+    cover, left = Cover(window), window
+    for _ in range(8 * dimensions):  # all but a corner, in thin slices
+        half, left = left.halves(0)
+        cover.add(half.low, half.high)
+    corner = Intervals(np.array(left.low)[:, None], np.array(left.high)[:, None])
+    assert not cover.holds(corner)[0]
+    cover.add(left.low, left.high)
+    assert cover.holds(corner)[0]
+    cover.add((0.0,) * dimensions, (0.3,) * dimensions)  # no half of a half: not taken in
+
+
 def test_what_is_proved_is_a_goal_where_the_loop_remembers_nothing() -> None:
     """Pole and cart, in a small window: own dynamics and rules, all runs come to rest."""
     window = {"x": (0.4, 0.6), "v": (0.0, 0.1), "theta": (0.0, 0.05), "omega": (0.0, 0.1)}

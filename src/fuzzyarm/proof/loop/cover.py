@@ -51,18 +51,34 @@ class Cover:
         return np.array(ends)
 
     def add(self, low: tuple[float, ...], high: tuple[float, ...]) -> None:
-        """Take in a proved box of the window, made by halving it."""
-        shares = []
-        for edges, a, b in zip(self.edges, low, high, strict=True):
-            part = np.diff(np.clip(edges, a, b)) / np.diff(edges)
-            shares.append(part)
-        places = [np.flatnonzero(part) for part in shares]
-        block = np.ix_(*places)
-        whole = shares[0][places[0]]
-        for part, place in zip(shares[1:], places[1:], strict=True):
-            whole = np.multiply.outer(whole, part[place])
-        self.filled[block] += whole
+        """Take in a proved box of the window, made by halving it; each box once."""
+        cells, share = [], 1.0
+        for way, (a, b) in enumerate(zip(low, high, strict=True)):
+            found = self._halved(way, a, b)
+            if found is None:
+                return
+            first, count, part = found
+            cells.append(slice(first, first + count))
+            share *= part
+        self.filled[tuple(cells)] += share
         self.is_new = True
+
+    def _halved(self, way: int, a: float, b: float) -> tuple[int, int, float] | None:
+        """Return the first cell of a side and their number, and its share of a cell: exact."""
+        low, high = float(self.low[way]), float(self.high[way])
+        first, count, share = 0, self.count, 1.0
+        while (low, high) != (a, b):
+            middle = 0.5 * low + 0.5 * high
+            if not low < middle < high or a < middle < b:
+                return None  # no half of a half of the window
+            above = a >= middle
+            low, high = (middle, high) if above else (low, middle)
+            if count > 1:
+                count //= 2
+                first += count if above else 0
+            else:
+                share *= 0.5
+        return first, count, share
 
     def add_cells(self, inside: NDArray[np.bool_]) -> None:
         """Take in whole cells."""
@@ -72,8 +88,8 @@ class Cover:
     def holds(self, box: Intervals) -> NDArray[np.bool_]:
         """Tell which boxes are wholly in proved cells; of shape (states, boxes)."""
         if self.is_new:
-            # Parts of a cell are disjoint: repeated halves, far larger than the rounding of shares.
-            whole = (self.filled >= 1.0 - 2.0**-20).astype(np.int64)
+            # Parts of a cell are disjoint, and their shares powers of 1/2: the sum is exact.
+            whole = (self.filled >= 1.0).astype(np.int64)
             for axis in range(whole.ndim):
                 whole = np.cumsum(whole, axis=axis)
             self.sums[(slice(1, None),) * whole.ndim] = whole

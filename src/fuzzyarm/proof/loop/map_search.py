@@ -145,6 +145,10 @@ class _Map:
         self.claim = replace(claim_of_stability(claim), start=start)
         self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
         self.window = {name: Interval(low, high) for name, low, high in start}
+        for name, span in self.problem.parameters.items():
+            if span.low < span.high:
+                hint = f"one value at a time, as in --with '{name} in {span.low:g} .. {span.low:g}'"
+                raise ClaimError(f"a map takes no interval of a parameter, as of {name}", hint=hint)
         for name, span in self.window.items():
             if not span.low < span.high:
                 raise ClaimError(f"{name} in {span.low:g} .. {span.high:g} is no window")

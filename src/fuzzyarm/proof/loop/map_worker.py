@@ -75,7 +75,7 @@ class MapWorker:
         self.pool.most = HALVINGS * len(self.pool.follower.names)
         self.first = self.pool.follower.first
         self.middle = self._rest()
-        self.known: set[MappedBox] = set()
+        self.known: set[tuple[tuple[float, ...], tuple[float, ...]]] = set()
         self.odd = case.odd
         self.cover = self._cover(problem)
 
@@ -118,9 +118,12 @@ class MapWorker:
     def learn(self, boxes: Sequence[MappedBox]) -> None:
         """Take in what is proved already."""
         for box in boxes:
-            if self.cover is not None and box.verdict == PROVED and box not in self.known:
-                self.known.add(box)
-                for each in (box, box.opposite) if self.odd else (box,):
+            if self.cover is None or box.verdict != PROVED:
+                continue
+            for each in (box, box.opposite) if self.odd else (box,):
+                # Others tell both: twice half a cell would be a whole one.
+                if (each.low, each.high) not in self.known:
+                    self.known.add((each.low, each.high))
                     self.cover.add(each.low, each.high)
 
     def tiles(self) -> list[Box]:

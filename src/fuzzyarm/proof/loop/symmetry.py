@@ -60,8 +60,9 @@ def is_odd(problem: LoopProblem) -> bool:
 def _demand_odd(problem: LoopProblem) -> None:
     equations, interface = problem.equations, problem.site.interface
     values: dict[str, Parity] = dict.fromkeys((*equations.states, *equations.inputs), ODD)
-    values |= dict.fromkeys(equations.parameters, EVEN)
-    values |= {name: _constant(x) for name, x in problem.constants.items()}
+    spans = zip(equations.parameters, problem.parameters.values(), strict=True)
+    values |= {name: _constant(x.low) if x.low == x.high else EVEN for name, x in spans}
+    values["t"] = Fraction(0)
     algebra = _Parities()
     rates = [algebra.expression(root, values) for root in equations.rates]
     outputs = [algebra.expression(root, values) for root in equations.outputs]
