@@ -3,6 +3,7 @@
 import json
 import time
 from fractions import Fraction
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -295,6 +296,26 @@ def test_names_in_a_certificate_count_from_its_folder(capsys, tmp_path, monkeypa
     Path("moved/loops/c.frb").unlink()
     monkeypatch.chdir("elsewhere")
     assert main(["prove", "--check", "../moved/proofs/c.json", "--trust"]) == 1
+
+
+def test_a_plant_of_a_line_counts_from_the_folder_of_the_controller(capsys, tmp_path, monkeypatch):
+    (tmp_path / "loops a").mkdir()
+    monkeypatch.chdir(tmp_path)
+    Path("loops a/läg.py").write_text(LAG)
+    line = "prove on 'läg.py' from y in 0.1 .. 0.2: y in 0 .. 0.3 during 0 .. 50 ms\n"
+    Path("loops a/c.frb").write_text(f"{ON_LAG}\n{line}")
+    plant = "loops a/läg.py"
+    for words in (["--trust"], ["--plant", plant]):
+        assert main(["prove", "loops a/c.frb", *words, "--certificate", "c.json"]) == 0
+        assert f"proved: on '{plant}' from" in capsys.readouterr().out
+    # The checker names the file that it ran.
+    assert main(["prove", "--check", "c.json", "--trust"]) == 0
+    digest = sha256(Path(plant).read_bytes()).hexdigest()
+    assert f"read {plant}, SHA-256 {digest}" in capsys.readouterr().out
+    # One of the working folder is not meant.
+    Path(plant).rename("läg.py")
+    assert main(["prove", "loops a/c.frb", "--trust"]) == 1
+    assert f"no file '{plant}' (names in a controller" in capsys.readouterr().err
 
 
 def test_a_map_of_a_loop_without_a_region_says_why(capsys, tmp_path):

@@ -19,6 +19,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.language.model.controller import Amount
 from fuzzyarm.plant import Parameter, Plant, Port, find_plant
 from fuzzyarm.plant.own import starting_at
+from fuzzyarm.plant.plant import with_actuators
 from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.check.certificate import sealed
 from fuzzyarm.proof.check.loop import checked_loop
@@ -358,6 +359,15 @@ def test_a_delay_that_the_loop_bears_is_proved(servo):
     verdict = prove(servo, "stable", plant="motor", sensors=late(0.001))
     assert verdict.proved
     assert "shaft.position late 1" in verdict.region
+
+
+@pytest.mark.slow
+def test_a_drive_that_is_pending_is_within_the_limits_of_its_actuator(servo):
+    plant = with_actuators(find_plant("motor"), {}, {"voltage": 0.002})
+    verdict = prove(servo, "stable", plant=plant)
+    assert verdict.proved
+    pending = [verdict.region[f"shaft.voltage pending {k}"] for k in (1, 2)]
+    assert pending == [(-24.0, 24.0)] * 2
 
 
 def test_a_sensor_with_steps_is_not_proved_to_come_to_rest(servo):

@@ -20,7 +20,7 @@ from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.exchange.files import PlantOf, check_file, check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS
-from fuzzyarm.language.model.units import product, read_unit, unit_text, unlike
+from fuzzyarm.language.model.units import near_symbol, product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import interface_of
 
@@ -363,6 +363,33 @@ def test_products_of_units(unit, left, pair):
     whole = product({"rad": 1}, read_unit(unit))
     assert unit_text(whole) == left
     assert unlike(whole) == pair
+
+
+@pytest.mark.parametrize(
+    ("unit", "text", "near"),
+    [
+        ("Nm", "N m", None),
+        ("mNm/rad", "mN m/rad", None),
+        ("N/(m s)", "N/(m s)", None),
+        ("1/(rad s)", "1/(rad s)", None),
+        ("rads", "rads", ("rads", "rad")),
+        ("Volts/sec", "Volts/sec", ("Volts", "V")),
+        ("lm", "lm", None),  # lumen
+        ("T", "T", None),  # tesla
+    ],
+)
+def test_a_unit_is_printed_as_it_is_read_again(unit, text, near):
+    read = read_unit(unit)
+    assert unit_text(read) == text
+    assert read_unit(unit_text(read)) == read
+    assert near_symbol(read) == near
+
+
+def test_a_unit_spelled_otherwise_is_a_finding():
+    (finding,) = findings(servo(unit="1/Rad"))
+    assert (finding.name, finding.message, finding.hint) == (
+        "unknown-unit", "unknown unit 'Rad'", "did you mean 'rad'?",
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -89,6 +89,25 @@ def test_a_region_is_proved_and_drawn(page):
     assert kinds >= {"dots", "area", "line"}
 
 
+def test_a_plant_of_a_line_is_the_one_that_the_designer_was_given(page):
+    own = page.folder / "own.py"
+    own.write_text(
+        "from fuzzyarm.plant import Plant, Port\n\n\nclass Own(Plant):\n"
+        "    inputs = {'u': Port('V', -10, 10)}\n    outputs = {'y': Port('V')}\n"
+        "    states = {'y': 'V'}\n\n    def derivative(self, t, x, u, p):\n"
+        "        return [u[0] - x[0]]\n"
+    )
+    (page.folder / "own.frb").write_text(
+        "controller own\nperiod 10 ms\naxis own\n  e = error of y\n  drive u = e\n\n"
+        "prove on 'own.py' from y in 0.1 .. 0.2: y in 0 .. 0.3 during 0 .. 50 ms\n"
+    )
+    last = page.do("prove", "own.frb")[-1]
+    assert (last["field"], last["message"]) == ("plant", "there is no plant 'own.py' here")
+    page.own = (str(own),)
+    (news,) = verdicts(page.do("prove", "own.frb"))
+    assert (news["verdict"], news["lines"][0].partition(": ")[0]) == ("proved", "line 7")
+
+
 # --- Sectors, tables, tubes, certificates ---
 
 

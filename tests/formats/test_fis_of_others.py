@@ -523,3 +523,13 @@ def test_the_first_header_may_stand_behind_other_text() -> None:
     plain, behind = (parse_fis(EXTRA.format(before=b, more="")) for b in ("", "ab"))
     assert plain.rulebase is not None
     assert behind.rulebase == plain.rulebase
+
+
+def test_double_quotes_are_quotes():
+    single = fis("1, 1 (1) : 1  % 'first'")
+    double = single.replace("'", '"')
+    assert good(parse_fis(double)) == good(parse_fis(single))
+    name = (
+        good(parse_fis(single.replace("MF1='b'", """MF1="b's 50 % \""""))).outputs[0].terms[0].name
+    )
+    assert name == "b's 50 % "

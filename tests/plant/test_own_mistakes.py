@@ -197,3 +197,31 @@ def test_a_plant_may_import_a_file_of_its_folder_and_each_time_anew(tmp_path, mo
         assert ("cannot import name 'Kiln'" in told.err) == (status == 1) == (folder == "two")
         assert ("heater on drawn" in told.out) == (folder == "one")
     assert sys.path[: len(path)] == path
+
+
+def test_a_parameter_that_is_set_stays_a_number_and_is_named(capsys, tmp_path):
+    own = tmp_path / "kiln.py"
+    started = KILN.replace("[20.0, 20.0]", '[20.0, 900.0 * self.parameters["loss"]]')
+    own.write_text(started.replace("- p[0] * x[1]", "- 0.0002 * x[1] / p[0]"), "utf-8")
+    law = tmp_path / "c.frb"
+    law.write_text(
+        "controller c\nperiod 1 s\naxis kiln\n  e = error of temperature\n  drive power = e\n"
+    )
+    words = ["simulate", str(law), "--plant", str(own), "--for", "2s", "--set"]
+    assert main([*words, "loss=0.02"]) == 0
+    assert main([*words, "loss=0"]) == 1
+    assert "plant kiln with loss = 0: ZeroDivisionError" in capsys.readouterr().err
+    words = ["simulate", str(shipped("servo.frb")), "--plant", "motor", "--for", "2ms"]
+    assert main([*words, "--set", "J=0"]) == 1
+    assert "fuzzyarm: plant motor with J = 0: ZeroDivisionError" in capsys.readouterr().err
+
+
+def test_a_parameter_in_place_of_its_number_is_told(tmp_path):
+    own = tmp_path / "kiln.py"
+    text = KILN.replace('{"loss": 0.01}', '{"loss": Parameter(0.01)}')
+    text = text.replace("import Plant,", "import Parameter, Plant,")
+    for start in ('[20.0, self.parameters["loss"]]', '[20.0, 2 * self.parameters["loss"]]'):
+        own.write_text(text.replace("[20.0, 20.0]", start), "utf-8")
+        with pytest.raises(PlantError) as error:
+            find_plant(str(own))
+        assert error.value.hint == "its number is self.parameters[NAME].value"

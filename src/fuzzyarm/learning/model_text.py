@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fuzzyarm.base.numbers import percent
 from fuzzyarm.language.check import check
 from fuzzyarm.language.document import Statement, parse_document, print_document
 from fuzzyarm.language.model.arrangement import cores
@@ -368,7 +369,7 @@ def rule_comments(
     output = rulebase.outputs[0]
     return {
         (output.name, term.name): (
-            f"{100.0 * share / len(samples):.2g} % of the samples, error "
+            f"{percent(share / len(samples), 2)} of the samples, error "
             f"{math.sqrt(float(row.mean()) / max(share, 1e-12)):.2g}"
         )
         for term, share, row in zip(output.terms, support.tolist(), squares, strict=True)

@@ -76,6 +76,29 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
     raise PlantError(f"no plant '{name}'", name=name, hint=hint)
 
 
+def beside(name: str, folder: str) -> str:
+    """Return a name in a file of `folder` as it is from the working folder: of a plant or file.
+
+    Shipped plants, ``gym:NAME`` and absolute paths stay as they are.
+    """
+    if not is_relative_file(name):
+        return name
+    path = os.path.join(folder, name)
+    plain = os.path.normpath(path)
+    # `..` of a linked folder is not the folder that its name has before it.
+    return plain if os.path.realpath(plain) == os.path.realpath(path) else path
+
+
+def is_relative_file(name: str) -> bool:
+    """Whether a name in a file is a relative path: not a shipped plant, nor ``gym:NAME``."""
+    return _is_file(name) and not os.path.isabs(name)
+
+
+def _is_file(name: str) -> bool:
+    is_file = any(end in name.lower() for end in (".py", ".frb", ".fmu"))
+    return is_file and not name.startswith(ENVIRONMENT)
+
+
 def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -> Plant:
     """Make a plant named in a file: a shipped one, or one whose code may run.
 
@@ -91,19 +114,33 @@ def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -
     Raises
     ------
     PlantError
-        If it is code that only the file asks to run.
+        If there is none, or it is code that only the file asks to run.
     """
-    if name in PLANTS or trust or (named is not None and _place(name) == _place(named)):
+    if _is_file(name) and not os.path.exists(_place(name)):
+        hint = "names in a controller or a certificate count from its folder"
+        raise PlantError(f"there is no file '{_file(name)}'", name=name, hint=hint)
+    is_code = _is_file(name) or name.startswith(ENVIRONMENT)
+    if not is_code or trust or (named is not None and same_file(name, named)):
         return find_plant(name)
     message = f"the plant '{name}' is code, which does not run because a file names it"
     raise PlantError(message, name=name, hint="--trust runs it")
 
 
+def same_file(name: str, other: str) -> bool:
+    """Whether two names of plants are of the same file, or the same name."""
+    return _place(name) == _place(other)
+
+
 def _place(name: str) -> str:
     """Return the canonical file of a plant, for comparison."""
-    path = name if name.startswith(ENVIRONMENT) else name.rsplit(".py:", 1)[0]
-    path = f"{path}.py" if path != name and not name.startswith(ENVIRONMENT) else path
+    path = _file(name)
     return path if path.startswith(ENVIRONMENT) or "\0" in path else os.path.realpath(path)
+
+
+def _file(name: str) -> str:
+    """Return the file of ``FILE.py:CLASS``."""
+    path, with_class, _ = name.rpartition(".py:")
+    return f"{path}.py" if with_class and not name.startswith(ENVIRONMENT) else name
 
 
 def own_plant(place: str) -> Plant:
@@ -143,6 +180,14 @@ def _made(module: ModuleType, key: str) -> Plant:
     return plant
 
 
+def plant_files(plant: Plant) -> dict[str, str]:
+    """Return the SHA-256 of the file of Python that made a plant, by name; else nothing."""
+    home = vars(plant).get(HOME)
+    if not isinstance(home, Home) or not os.path.isfile(home.path):
+        return {}
+    return {home.path: sha256(Path(home.path).read_bytes()).hexdigest()}
+
+
 def plant_again(path: str, source: str, key: str) -> Plant:
     """Make a plant of a file whose text came from another process."""
     return _made(module_again(path, source), key)
@@ -161,7 +206,7 @@ def named_again(name: str, plant: Plant) -> Plant | None:
     if not path or source is None:
         return None
     key = name.rpartition(".py:")[2] if ".py:" in name else ""
-    if _place(name) != _place(path) and (not home or name != plant.name):
+    if not same_file(name, path) and (not home or name != plant.name):
         return None
     key = key or (home.key if home else type(plant).__name__)
     try:

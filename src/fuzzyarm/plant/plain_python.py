@@ -12,12 +12,12 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from fuzzyarm.base.names import did_you_mean, nearest
-from fuzzyarm.base.numbers import counted
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
     PARTS,
@@ -44,6 +44,8 @@ EXAMPLES = {
 ARGUMENTS = {"derivative": "t, x, u, p", "measure": "t, x, u, p", "step": "t, x, u, p, dt"}
 """Arguments of a plant's equations after ``self``."""
 
+
+NUMBER_OF_PARAMETER = "its number is self.parameters[NAME].value"
 
 HOME = "_fuzzyarm_home"
 """Attribute of a plant of a user's file with its origin."""
@@ -183,11 +185,32 @@ def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
 
 
 def require_sound(plant: Plant) -> None:
-    """Raise PlantError if a user's plant is invalid: first its ports, then its equations."""
+    """Raise PlantError if a user's plant is invalid: first its ports, then its equations.
+
+    Of a shipped one only the equations, with parameters that were set.
+    """
     if not is_of_package(type(plant)):
         require_ports(plant)
         interface_of(plant)
         try_equations(plant)
+    elif set_parameters(plant):
+        try_equations(plant)
+
+
+def set_parameters(plant: Plant) -> dict[str, float]:
+    """Return the parameters of a plant that have other values than its own."""
+    home = vars(plant).get(HOME)
+    own = type(plant).parameters
+    own = home.begun.get("parameters", own) if isinstance(home, Home) else own
+    return {
+        name: value
+        for name in plant.parameters
+        if name in own and (value := _value(plant.parameters[name])) != _value(own[name])
+    }
+
+
+def _value(parameter: object) -> float:
+    return parameter.value if isinstance(parameter, Parameter) else float(cast(float, parameter))
 
 
 def try_equations(plant: Plant) -> None:
@@ -201,10 +224,7 @@ def try_equations(plant: Plant) -> None:
     if plant.dynamics is not None or plant.step is not None:
         return
     plant = apart(plant)
-    numbers = [
-        parameter.value if isinstance(parameter, Parameter) else float(parameter)
-        for parameter in plant.parameters.values()
-    ]
+    numbers = [*map(_value, plant.parameters.values())]
     drives = [port.idle for port in plant.inputs.values()]
     states = _numbers(plant, "start", lambda: plant.start(np.random.default_rng(0)), plant.states)
     for what, names in (("derivative", plant.states), ("measure", plant.outputs)):
@@ -266,7 +286,8 @@ def _one_for_each(plant: Plant, what: str, answer: Any, ports: Mapping[str, obje
         nouns = "outputs" if what == "measure" else "states"
         raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {expectation}")
     name, value = next((n, v) for n, v in zip(ports, values, strict=True) if not _is_number(v))
-    raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
+    hint = NUMBER_OF_PARAMETER if isinstance(value, Parameter) else ""
+    raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number", hint)
 
 
 # --- Calls from the loop ---
@@ -321,6 +342,8 @@ def _of_error(plant: Plant, what: str, error: BaseException) -> tuple[str, str]:
     if isinstance(error, TypeError) and "list indices must be integers" in str(error):
         order = "; ".join(f"{k}[0] is {v[0]}" for k, v in names.items() if v)
         return message, f"x, u and p are lists in the order of their names: {order}"
+    if isinstance(error, TypeError) and "'Parameter'" in str(error):
+        return message, NUMBER_OF_PARAMETER
     if isinstance(error, IndexError):
         counts = ", ".join(f"{len(v)} in {k}" for k, v in names.items())
         return message, f"there are {counts}"
@@ -340,11 +363,15 @@ def _user_frame(error: BaseException) -> str:
 def _fault(plant: Plant, what: str, message: str, hint: str = "", place: str = "") -> PlantError:
     name = plant.name or type(plant).__name__
     place = place or place_of(plant, what)
-    return PlantError(f"{place}plant {name}: {message}", name=what, hint=hint)
+    pairs = [f"{name} = {number_text(value)}" for name, value in set_parameters(plant).items()]
+    given = f" with {', '.join(pairs)}" if pairs else ""
+    return PlantError(f"{place}plant {name}{given}: {message}", name=what, hint=hint)
 
 
 def place_of(plant: Plant, what: str) -> str:
     """Return ``FILE:LINE: `` of an attribute in the source of a plant; empty if unknown."""
+    if is_of_package(type(plant)):
+        return ""
     classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
     kind = next((base for base in classes if what in vars(base)), type(plant))
     try:

@@ -733,7 +733,8 @@ def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:
         old = parameter(plant, name)
         if not math.isfinite(value):
             raise PlantError(f"parameter {name} = {value} is out of range", name=name)
-        changed[name] = replace(old, value=float(value))
+        is_plain = not isinstance(plant.parameters[name], Parameter)
+        changed[name] = float(value) if is_plain else replace(old, value=float(value))
     other = copy(plant)
     other.parameters = changed
     if plant.loaded_parameters is not Plant.loaded_parameters:

@@ -29,7 +29,10 @@ def read_levels(text: str) -> Levels | dict[str, Levels]:
     for part in parts:
         match = _NAMED.match(part)
         if match is None:
-            raise TableError(f"levels '{part.strip()}' does not name its input")
+            raise TableError(
+                f"levels '{part.strip()}' does not name its input",
+                hint="49 for all inputs, or for each  e = 49, ce = -6 .. 6 step 1",
+            )
         levels[match["name"].strip("'")] = _levels_of_one(match["rest"])
     return levels
 
@@ -49,5 +52,5 @@ def _levels_of_one(text: str) -> Levels:
     except Fault as fault:
         raise TableError(f"levels '{text.strip()}': {fault.diagnostic.message}") from None
     if len(values) == 1:
-        raise TableError(f"levels '{text.strip()}' is not a whole number of levels")
+        raise TableError(f"levels '{text.strip()}' is not a whole number of levels, from 2 on")
     return values

@@ -99,7 +99,7 @@ def _files(request: ProveWords) -> int:
     data: list[dict[str, Any]] = []
     for path in request.files:
         controller = controller_if_any(path)
-        claims = controller.model.claims if controller else ()
+        claims = controller.claims if controller else ()
         _require_use(request, of=bool(claims))
         rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
         if controller is None and not rulebases[0].properties and not request.json:

@@ -20,6 +20,7 @@ from fuzzyarm.apps.designer.jobs import WindowJob, tell_result
 from fuzzyarm.apps.designer.requests import BareMessage, FormWork, ProveWork
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.numbers import percent
 from fuzzyarm.base.picture import Chart
 from fuzzyarm.language.edit import Reading
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -167,7 +168,8 @@ class _LoopProof:
         wants_certificate: bool,
     ) -> None:
         self.text, self.job = text, job
-        self.request = request
+        # Only plants that were named on the command line run here.
+        self.request = request.replaced(trust=True)
         self.wants_certificate = wants_certificate
 
     def run(self) -> None:
@@ -199,13 +201,20 @@ class _LoopProof:
                 "the text has no `prove` lines",
                 hint="write one, or a claim such as `stable on motor`",
             )
-        return list(self.text.model.claims)
+        return [replace(claim, plant=self._named(claim.plant)) for claim in self.text.claims]
 
     def _with_plant(self) -> ProveRequest:
         """Return the request on the plant that it names, or that the controller has the axes of."""
         if self.request.plant:
             return self.request
         return self.request.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
+
+    def _named(self, plant: str) -> str:
+        """Return the plant of a line of the text, by its name in this designer."""
+        from fuzzyarm.plant.own import same_file
+
+        names = self.job.plants.by_name
+        return next((name for name in names if same_file(name, plant)), Path(plant).name)
 
     def _require_plant(self, name: str) -> None:
         if name not in self.job.plants.by_name:
@@ -261,7 +270,7 @@ class _LoopProof:
         from fuzzyarm.proof.loop.orders import map_of
 
         def watch(found: StartMap) -> None:
-            self.job.progress(f"{100.0 * found.decided:.3g} % decided so far")
+            self.job.progress(f"{percent(found.decided)} decided so far")
             tell_result(self.job, [], [map_chart(found)], so_far=True)
 
         request = self._with_plant()

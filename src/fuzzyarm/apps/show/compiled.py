@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.show.drawing import number_words
-from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.numbers import outward_text, percent
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -60,7 +60,7 @@ def _large_error(report: CompileReport) -> list[str]:
     share, ends = worst / (high - low), f"{number_words(low, 4)} .. {number_words(high, 4)}"
     ways = "--levels N" if used.mode == "linear" else "--levels N or --mode linear"
     words = outward_text(worst, up=True, digits=3)
-    return [f"worst error {words} of {ends}, {100 * share:.2g} %: less with  {ways}"]
+    return [f"worst error {words} of {ends}, {percent(share, 2)}: less with  {ways}"]
 
 
 def fidelity_line(fidelity: Fidelity) -> str:

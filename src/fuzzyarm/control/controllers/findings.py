@@ -9,7 +9,8 @@ from functools import cache
 from typing import Protocol, TypeVar
 
 from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span, Word, span_of
-from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.names import did_you_mean, near_hint
+from fuzzyarm.base.numbers import percent
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, Site, lacking, site_of, text_law_of
 from fuzzyarm.control.controllers.program import SourceError
@@ -40,7 +41,14 @@ from fuzzyarm.language.model.controller import (
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.language.model.units import dimension, product, read_unit, unit_text, unlike
+from fuzzyarm.language.model.units import (
+    dimension,
+    near_symbol,
+    product,
+    read_unit,
+    unit_text,
+    unlike,
+)
 from fuzzyarm.language.statements import Broken
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
@@ -135,7 +143,7 @@ def doubts_of(
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     reaches = reaches_of(text, site)
     diagnostics = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
-    diagnostics += _unknown_of_claims(text)
+    diagnostics += [*_unknown_units(text.model), *_unknown_of_claims(text)]
     diagnostics += _without_rule(text)
     diagnostics += _limits_before_factors(text.model, reaches, site)
     if site is not None:
@@ -267,7 +275,7 @@ def _too_wide(model: ControllerModel, look_up: LookUp) -> Diagnostic | None:
     hint = f"multiply its gain by {FACTORS[FED_BACK] * width(universe) / whole:.2g} or less"
     step = reach.pace * model.period * model.every
     if SLOW * step <= 0.5 * width(universe):
-        verdict = f"all but {_percent(inside / whole)} of it saturates"
+        verdict = f"all but {percent(inside / whole, 2)} of it saturates"
         return _of_range(look_up, verdict, hint, Severity.INFO)
     speed = f"; at full speed it moves by {step:.3g} in one set point" if step < math.inf else ""
     return _of_range(look_up, f"everything saturates{speed}", hint)
@@ -279,7 +287,7 @@ def _too_narrow(look_up: LookUp) -> Diagnostic | None:
     if not 0.0 < share < LEAST:
         return None
     hint = f"multiply its gain by about {width(universe) / width(at):.2g}"
-    return _of_range(look_up, f"it uses {_percent(share)} of the universe", hint)
+    return _of_range(look_up, f"it uses {percent(share, 2)} of the universe", hint)
 
 
 def _of_range(
@@ -304,10 +312,6 @@ def _range(interval: Interval) -> str:
 def _end(interval: Interval) -> str:
     """Return the magnitude of a symmetric interval, or both ends."""
     return f"{interval.high:.4g}" if interval.high == -interval.low else _range(interval)
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
 
 
 def _made(look_up: LookUp) -> tuple[Related, ...]:
@@ -371,6 +375,13 @@ def _stated(output: Output) -> float:
 
 
 # --- Units ---
+
+
+def _unknown_units(model: ControllerModel) -> Iterator[Diagnostic]:
+    for gain in model.gains:
+        if near := near_symbol(read_unit(gain.unit) or {}):
+            message, hint = f"unknown unit '{near[0]}'", did_you_mean(near[1])
+            yield Diagnostic("unknown-unit", message, gain.span, Severity.WARNING, hint=hint)
 
 
 def _unlike_units(
@@ -597,7 +608,7 @@ def _limits(model: ControllerModel, reaches: Reaches, site: Site) -> Iterator[Di
             yield Diagnostic(
                 "weak-drive",
                 f"{address[1]} stays within {_range(whole)}, {takes}:"
-                f" {_percent(share)} of the actuator is used",
+                f" {percent(share, 2)} of the actuator is used",
                 lines[0][0].span,
                 Severity.WARNING,
                 hint="a larger gain on the drive",

@@ -35,6 +35,7 @@ from fuzzyarm.control.controllers.program import (
 )
 from fuzzyarm.inference.errors import NotANumberError
 from fuzzyarm.inference.inputs import number_of
+from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.model.controller import (
     Amount,
     Axes,
@@ -47,6 +48,7 @@ from fuzzyarm.language.model.controller import (
 )
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.reading import load_rulebase, parse_once, read_text
+from fuzzyarm.plant.own import beside
 from fuzzyarm.plant.setting import (
     CLOCK,
     LAST,
@@ -123,6 +125,18 @@ class ControllerText(Shown, OfKind):
             replace(gain, values=values.get(gain.name, gain.values)) for gain in self.model.gains
         )
         return replace(self, model=replace(self.model, gains=changed), source="")
+
+    @property
+    def claims(self) -> tuple[LoopClaim, ...]:
+        """Its ``prove`` lines, with files of plants as they are from the working folder.
+
+        In the text they count from the folder of the controller, as those of ``use`` lines do.
+        """
+        folder = str(home_of(self.path)) if self.path else "."
+        return tuple(
+            claim if folder == "." else replace(claim, plant=beside(claim.plant, folder))
+            for claim in self.model.claims
+        )
 
     def learners(self) -> Iterator[Learn]:
         """Iterate over the lines that teach a table."""

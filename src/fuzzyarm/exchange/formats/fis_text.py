@@ -101,11 +101,11 @@ def _without_comment(raw: str) -> str:
         return ""
     if "%" not in raw and "#" not in raw and "//" not in raw:
         return raw
-    quoted = False
+    quote = ""
     for index, letter in enumerate(raw):
-        if letter == "'":
-            quoted = not quoted
-        elif not quoted and (letter in "%#" or raw.startswith("//", index)):
+        if letter in ("'", '"') and quote in ("", letter):
+            quote = "" if quote else letter
+        elif not quote and (letter in "%#" or raw.startswith("//", index)):
             return raw[:index]
     return raw
 
@@ -118,7 +118,7 @@ def unquoted(word: TextPiece) -> TextPiece:
     return word
 
 
-_QUOTED = re.compile(r"'[^']*'")
+_QUOTED = re.compile(r"""'[^']*'|"[^"]*["]""")
 
 
 def is_open(value: str) -> bool:
@@ -134,8 +134,8 @@ BRACKETED = re.compile(r"[^\s,;\[\]]+")
 
 
 _MEMBERSHIP = re.compile(
-    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>(?:[^:'\s]+(?:\s+[^:'\s]+)*)?))\s*:\s*"
-    r"'?(?P<kind>[\w.]*)'?\s*,\s*(?P<rest>.*)\Z",
+    r"""\s*(?:(?P<quote>['"])(?P<quoted>.*?)(?P=quote)|(?P<bare>(?:[^:'"\s]+(?:\s+[^:'"\s]+)*)?))"""
+    r"""\s*:\s*['"]?(?P<kind>[\w.]*)['"]?\s*,\s*(?P<rest>.*)\Z""",
     re.DOTALL,
 )
 
@@ -157,7 +157,7 @@ _FUZZYLITE_KEYS = re.compile(
     r"^[^\S\n]*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
 )
 _ONLY_OCTAVE = re.compile(
-    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
+    r"""['"](einstein|hamacher|drastic|bounded)_(sum|product|difference)['"]|centroid_integral""",
     re.IGNORECASE,
 )
 # A fractional index in a rule is a hedge of Octave's toolkit (`hedges_of`).

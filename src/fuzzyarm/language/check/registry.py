@@ -276,6 +276,12 @@ CHECKS: dict[str, Check] = {
             "of a sum have different units; or a drive or an input of rules has another dimension.",
         ),
         Check(
+            "unknown-unit",
+            Severity.WARNING,
+            "The unit of a gain is spelled otherwise than its symbol, such as Rad or volts: it is "
+            "compared with no other.",
+        ),
+        Check(
             "unknown-allow",
             Severity.WARNING,
             "An `allow` comment names no check.",

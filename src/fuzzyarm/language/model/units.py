@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from itertools import combinations
 
 Unit = dict[str, int]
@@ -55,6 +56,15 @@ _DIMENSIONS = {symbol: base for symbols, base in _BASES for symbol in symbols.sp
 """Dimensions of symbols, in powers of m, s, kg, A and K; an angle is dimensionless."""
 
 
+_SPELLED = {
+    "radian": "rad", "degree": "deg", "deg": "deg", "rad": "rad", "meter": "m", "metre": "m",
+    "sec": "s", "second": "s", "minute": "min", "hour": "h", "hr": "h", "volt": "V", "amp": "A",
+    "ampere": "A", "newton": "N", "watt": "W", "kelvin": "K", "celsius": "°C", "degc": "°C",
+    "percent": "%", "hertz": "Hz",
+}  # fmt: skip
+"""Symbols by what people spell out, in small letters and in the singular."""
+
+
 def dimension(unit: Unit) -> Unit | None:
     """Return the dimension of a unit, in powers of the base units; None for an unknown symbol."""
     whole: Unit = {}
@@ -85,11 +95,33 @@ def read_unit(text: str) -> Unit | None:
         return None
     unit: Unit = {}
     below = False
-    for slash, symbol in _SYMBOL.findall(text):
+    for slash, word in _SYMBOL.findall(text):
         below = below or bool(slash)
-        if symbol != "1":
+        for symbol in _symbols(word):
             unit[symbol] = unit.get(symbol, 0) + (-1 if below else 1)
     return {symbol: power for symbol, power in unit.items() if power}
+
+
+def _symbols(word: str) -> Sequence[str]:
+    """Return the symbols of a word: ``Nm`` is N m; none of 1."""
+    if word in _DIMENSIONS or word == "1":
+        return [word] if word != "1" else []
+    # Without a capital it is rather a plural, as rads, or a unit of its own, as lm.
+    is_product = word != word.lower() and {word[:-1], word[-1]} <= set(_DIMENSIONS)
+    return [word[:-1], word[-1]] if is_product else [word]
+
+
+def near_symbol(unit: Unit) -> tuple[str, str] | None:
+    """Return an unknown symbol of a unit and the known one that it is probably meant to be."""
+    for symbol in unit:
+        word = symbol.lower()
+        # A capital alone is a unit of its own, as T and H.
+        if symbol not in _DIMENSIONS and (len(symbol) > 1 or symbol == word):
+            spelled = _SPELLED.get(word.removesuffix("s"), word)
+            known = next((known for known in _DIMENSIONS if spelled in (known, known.lower())), "")
+            if known:
+                return symbol, known
+    return None
 
 
 def product(a: Unit | None, b: Unit | None, power: int = 1) -> Unit | None:
@@ -113,8 +145,10 @@ def unit_text(unit: Unit) -> str:
     below: list[str] = []
     for symbol, power in unit.items():
         (above if power > 0 else below).extend([symbol] * abs(power))
-    text = " ".join(above) or "1"
-    return f"{text}/{' '.join(below)}" if below else text
+    text, divisor = " ".join(above) or "1", " ".join(below)
+    if len(below) > 1:
+        return f"{text}/({divisor})"
+    return f"{text}/{divisor}" if below else text
 
 
 def unlike(unit: Unit) -> tuple[str, str] | None:

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 from fuzzyarm.base.files import real_path, same_file, write_atomically
 from fuzzyarm.base.jsonable import JsonRecord, json_properties
-from fuzzyarm.base.numbers import counted
+from fuzzyarm.base.numbers import counted, percent
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -310,7 +310,7 @@ class Comparison(NamedTuple):
         if self.share > MANIFOLD - 1.0:
             return f"{self.own / self.theirs:.3g} times the cost{of}"
         word = "higher" if self.share > 0.0 else "lower"
-        return f"{100.0 * abs(self.share):.3g} % {word} cost{than}"
+        return f"{percent(abs(self.share))} {word} cost{than}"
 
 
 MANIFOLD = 3.0

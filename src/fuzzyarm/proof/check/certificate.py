@@ -25,7 +25,7 @@ from fuzzyarm.base.protected import note_source
 from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim, Stretch, When
-from fuzzyarm.plant.own import ENVIRONMENT
+from fuzzyarm.plant.own import beside, is_relative_file
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import require_sense
@@ -186,13 +186,13 @@ class Certificate:
 
     def place(self, name: str) -> str:
         """Return a name of a file in it as it is from the working folder."""
-        return os.path.join(self.folder, name) if _is_relative_file(name) else name
+        return beside(name, self.folder)
 
     def moved_to(self, folder: str) -> Certificate:
         """Return it with the names of its files as they are from another folder."""
 
         def moved(name: str) -> str:
-            if not _is_relative_file(name):
+            if not is_relative_file(name):
                 return name
             # Only folders are resolved: a file may be a link, and `..` of a linked folder is not
             # the folder that its name has before it.
@@ -314,12 +314,6 @@ def _seal(data: Mapping[str, Any]) -> str:
 def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return data with the SHA-256 of its contents."""
     return {**data, "seal": _seal(data)}
-
-
-def _is_relative_file(name: str) -> bool:
-    """Whether a name in a certificate is a relative path: not a shipped plant, nor ``gym:NAME``."""
-    is_file = any(end in name.lower() for end in (".py", ".frb", ".fmu"))
-    return is_file and not os.path.isabs(name) and not name.startswith(ENVIRONMENT)
 
 
 def write_certificate(certificate: Certificate, path: str) -> str:

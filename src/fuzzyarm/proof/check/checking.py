@@ -20,7 +20,7 @@ from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.plant.own import PLANTS, trusted_plant
+from fuzzyarm.plant.own import PLANTS, plant_files, trusted_plant
 from fuzzyarm.plant.plant import Plant, parameter, with_actuators
 from fuzzyarm.proof.check.certificate import (
     Certificate,
@@ -228,7 +228,8 @@ def check_certificate(
     if certificate.window:
         statement += f"; {coverage_words(certificate, proof.coverage)}"
     return replace(
-        checked, statement=statement, files=certificate.fingerprints, loop=proof.loop,
+        checked, statement=statement, loop=proof.loop,
+        files={**certificate.fingerprints, **plant_files(plant)},
         theorems=proof.theorems, boxes=len(certificate.tubes), coverage=proof.coverage,
         seconds=time.monotonic() - begun,
         **proof.facts,

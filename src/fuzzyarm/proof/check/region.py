@@ -358,17 +358,27 @@ def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number
 def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
     """Return the contents of a region as facts of a verdict."""
     rest = {name: float(loop.rest[name]) for name in loop.names}
+    reach = {}
+    for name, half in reach_of(loop, ONE, region.p).items():
+        low, high = _limits(problem, region.evidence.memory.get(name, ""))
+        reach[name] = max(rest[name] - half, low), min(rest[name] + half, high)
     return {
-        "region": {
-            name: (rest[name] - half, rest[name] + half)
-            for name, half in reach_of(loop, ONE, region.p).items()
-        },
+        "region": reach,
         "start_region": _along_alone(problem, loop, region.p),
         "rest": rest,
         "fall": float(region.rate),
         "continuous": region.continuous,
         "uncertain": loop.words,
     }
+
+
+def _limits(problem: LoopProblem, memory: str) -> tuple[float, float]:
+    """Return the limits of an actuator that memory, behind them, keeps a value of."""
+    kind, _, cell = memory.partition(":")
+    for address, port in problem.site.interface.inputs.items():
+        if kind in ("pending", "driven") and ".".join(address) == cell.partition(":")[0]:
+            return port.low, port.high
+    return -math.inf, math.inf
 
 
 @precisely

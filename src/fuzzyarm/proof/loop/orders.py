@@ -171,7 +171,7 @@ def lines_of(
     )
     yield from rules_of(request, rulebases, tell)
     if controller is not None:
-        yield from loops_of(request, controller, controller.model.claims, tell)
+        yield from loops_of(request, controller, controller.claims, tell)
         yield from drives_of(request, controller, tell)
 
 
@@ -274,7 +274,7 @@ def plant_of_drives(request: ProveRequest, controller: ControllerText) -> Plant 
     """Return the plant whose ranges hold for drives: that of the request, else of all claims."""
     if request.plant is not None:
         return find_plant(request.plant)
-    named = {claim.plant for claim in controller.model.claims}
+    named = {claim.plant for claim in controller.claims}
     if len(named) == 1 and (request.trust or named <= set(PLANTS)):
         return find_plant(*named)
     return None
