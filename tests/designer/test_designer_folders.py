@@ -200,7 +200,14 @@ def test_a_folder_of_broken_and_foreign_files_can_be_begun_in(page, serve):
     page.get_by_role("tab", name="Files").click()
     assert page.locator(".cm-content").get_attribute("contenteditable") == "false"
     page.get_by_role("button", name="New file").click()
-    page.locator("dialog input[name=name]").fill("fine")
+    name, kind = page.locator("dialog input[name=name]"), page.locator("dialog select[name=kind]")
+    kind.select_option("fan.frb")
+    assert name.input_value() == "fan.frb"  # an example brings its name
+    kind.select_option("single")
+    assert name.input_value() == "unnamed.frb"
+    name.fill("fine")
+    kind.select_option("pd")
+    assert name.input_value() == "fine"
     page.get_by_role("button", name="Create").click()
     until(lambda: page.evaluate("!!window.designer?.store.scene"), "a picture")
     assert page.locator("header select").input_value() == "fine.frb"

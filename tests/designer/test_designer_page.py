@@ -219,6 +219,10 @@ def test_widths_have_handles_and_numbers(served, window):
     until(lambda: "gaussian 2 2\n" in text_of(page), "the deviation")
     page.locator('text[data-term="high"]').focus()
     field = page.locator('.details input[aria-label="x high, slope"]')
+    field.fill("3,5")
+    field.press("Enter")
+    page.locator(".details .wrong").get_by_text("'3,5' is not a number").wait_for()
+    assert text_of(page).count("bell 8 1 2\n") == 1
     field.fill("3")
     field.press("Enter")
     until(lambda: "bell 8 1 3\n" in text_of(page), "the slope")
@@ -861,6 +865,9 @@ def test_turning_to_another_file_keeps_all_that_belongs_to_each(served, window):
     page.evaluate("location.hash = '#file=never.frb'")
     page.get_by_text("never.frb is not in this folder").wait_for()
     assert page.evaluate("window.kept") == 1
+    page.goto("about:blank")  # nor is it where the page begins with it
+    page.goto(f"{served.address}#file=none.frb")
+    page.get_by_text("none.frb is not in this folder").wait_for()
 
 
 def test_the_files_of_late_have_their_desks_and_a_run_waits(served, window):

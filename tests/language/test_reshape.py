@@ -106,6 +106,9 @@ def test_sentences_are_written_changed_and_removed():
     ):  # fmt: skip
         with pytest.raises(ReshapeError, match=said):
             set_rule(read(TIPPER2), at, words)
+    with pytest.raises(ReshapeError) as error:
+        set_rule(read(TIPPER2), None, "if food is rancidd then tip is cheap")
+    assert error.value.hint == "did you mean 'rancid'?"
 
 
 def test_the_last_line_goes_with_the_break_in_front_of_it():

@@ -453,7 +453,7 @@ def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:
     parsed = read(apply_edits(reading.text, edits), reading.path).parsed
     for diagnostic in parsed.diagnostics:
         if diagnostic.is_error and diagnostic.span.line == line:
-            raise ReshapeError(diagnostic.message)
+            raise ReshapeError(diagnostic.message, hint=diagnostic.hint)
     return edits
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.claim.problem import ClaimError
@@ -179,8 +178,7 @@ class StartMap(Shown):
     def sentence(self) -> str:
         """Return the coverage in a sentence."""
         window = ", ".join(
-            f"{name} in {number_text(span.low)} .. {number_text(span.high)}"
-            for name, span in self.window.items()
+            f"{name} in {span.low:.6g} .. {span.high:.6g}" for name, span in self.window.items()
         )
         return (
             f"from {_percent(self.proved)} of {window} every run comes to rest, from"

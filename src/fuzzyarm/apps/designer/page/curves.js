@@ -95,7 +95,7 @@ export class CurvePane extends Pane {
       {
         width: 100,
         height: 100,
-        padding: [4, 12, isLast ? 0 : 4, 0],
+        padding: [4, 24, isLast ? 0 : 4, 0] /* half of the last time */,
         cursor: { y: false, sync: { key: "run" }, drag: { x: false, y: false }, points: { show: false } },
         legend: { mount: (_, table) => head.append(table), markers: { show: false } },
         scales: { x: { time: false, range: this.times }, y: { range: (_, ...ends) => valueRange(ends, limits) } },

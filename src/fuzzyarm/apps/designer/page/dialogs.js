@@ -51,7 +51,8 @@ export const rename = (old, act) =>
 
 /**
  * Fields to be filled in: `{ name, label, value }`, or with `options` as pairs of value and words;
- * one with `when` counts only where other fields have these values.
+ * one with `when` counts only where other fields have these values, and one with `follow` makes its value of theirs
+ * until it is typed in.
  * `act` takes their values and answers; while that has an `error` the dialog stays. Null if nothing is done.
  */
 export async function fill(title, fields, words, act, note = "") {
@@ -73,7 +74,17 @@ export async function fill(title, fields, words, act, note = "") {
         ([name, values]) => form.elements[name] && ![values].flat().includes(form.elements[name].value),
       );
     });
-  form.addEventListener("change", dim);
+  const followed = () => {
+    fields.forEach(({ follow }, i) => {
+      const chosen = fields.filter(({ options }) => options).map(({ name }) => [name, form.elements[name].value]);
+      if (follow && !controls[i].dataset.typed) controls[i].value = follow(Object.fromEntries(chosen));
+    });
+  };
+  form.addEventListener("input", ({ target }) => target.tagName === "INPUT" && (target.dataset.typed = "yes"));
+  form.addEventListener("change", ({ target }) => {
+    dim();
+    if (target.tagName === "SELECT") followed();
+  });
   dim();
   form.addEventListener("submit", async (event) => {
     event.preventDefault();

@@ -149,20 +149,25 @@ class FolderPane extends Pane {
     const made = await fill(
       kind ? (S.startTitles[kind] ?? S.exampleOf(kind, "")) : S.newFile,
       [
-        { name: "name", label: S.name, value: S.startNames[kind] ?? (kind || S.unnamed) },
+        {
+          name: "name",
+          label: S.name,
+          value: S.startNames[kind] ?? (kind || S.unnamed),
+          follow: kind ? null : this.named,
+        },
         ...(kind ? [] : [{ name: "kind", label: S.template, options: [...kinds, ...shown], value: "pd" }]),
         ...(kind && !WITH_RULES.includes(kind) ? [] : [{ ...method, when: { kind: WITH_RULES } }]),
         ...(kind && kind !== "controller" ? [] : [around]),
       ],
       S.create,
-      ({ name, ...values }) => this.ask({ what: "new", kind, ...values, name: this.named(name, values.kind) }),
+      (values) => this.ask({ what: "new", kind, ...values }),
       this.starts[kind] ?? this.examples[kind] ?? "",
     );
     if (made?.open) this.hand.turnTo(made.open);
   };
 
-  /** A name that nobody has changed is that of the example. */
-  named = (name, kind = "") => (name === S.unnamed && kind in this.examples ? kind : name);
+  /** The name of a file of a kind that is chosen, where nobody has typed another: an example has its own. */
+  named = ({ kind }) => (kind in this.examples ? kind : S.unnamed);
 
   /** Bring a file of the folder, which another program wrote, into the language. */
   convert = async (name) => {

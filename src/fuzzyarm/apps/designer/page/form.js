@@ -5,6 +5,7 @@ import { el, field as labelled, refill, sayWrong, select } from "./draw.js";
 import { choicesOf, controlOf, isOptional, quoted, optionsOf, shownDefault, typeOf, valueOf } from "./fields.js";
 import { S } from "./strings.js";
 
+const WIDE = ["claim", "from", "with", "over"]; // sentences
 const JUDGED = { check: "change", choice: "change", lines: "input", text: "input" };
 /** @param {Messages.FormField} field */
 const wordsOf = ({ name, placeholder }) => S.fields[`${name} ${placeholder}`] ?? S.fields[name] ?? [];
@@ -78,7 +79,7 @@ export class Form {
       ...plain,
       type: "text",
       placeholder,
-      size: isNumber ? 7 : typeOf(field) === "array" ? 18 : 12,
+      size: isNumber ? 7 : WIDE.includes(field.name) ? 40 : typeOf(field) === "array" ? 18 : 12,
       inputMode: isNumber ? "decimal" : "text",
     });
   }

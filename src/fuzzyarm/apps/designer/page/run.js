@@ -263,7 +263,7 @@ class RunForm extends Pane {
     this.details = el("details", {}, el("summary", { textContent: S.runSame }), el("p", { class: "small" }, this.line));
     this.openEnd = el("label", { class: "check", title: S.runOpenEndedHint }, this.endless, S.runOpenEnded);
     this.details.addEventListener("toggle", () => this.showLine());
-    this.body.addEventListener("change", this.showLine);
+    for (const name of ["input", "change"]) this.body.addEventListener(name, this.showLine);
     this.bar.append(
       this.start,
       this.pause,
@@ -498,8 +498,7 @@ function metricPane() {
       caption: el("span", { class: "unseen", textContent: S.runMetrics }),
       head: [S.runErrorOf, ...outputs],
       rows: sorted.map((name) => {
-        const words = S.runMetric[name] ?? name;
-        const head = el("th", { scope: "row", textContent: words, title: S.runMetricHint[name] ?? "" });
+        const head = el("th", { scope: "row", textContent: name, title: S.runMetricHint[name] ?? "" });
         const cells = outputs.map((output) => el("td", { textContent: valueOf(name, output) }));
         return el("tr", { class: FIRST.includes(name) ? "first" : "" }, head, ...cells);
       }),

@@ -111,8 +111,11 @@ export class ViewerPane extends Pane {
     const [low, high] = rangeOf(variable);
     const isInside = value >= low && value <= high;
     const range = [low, high].map((end) => shortNumber(end, 6));
-    sayWrong(number, !Number.isFinite(value) ? S.noNumber(number.value) : isInside ? "" : S.outside(value, ...range));
-    if (isInside) this.store.setPoint(i, value);
+    const isClamped = !isInside && variable.outside === "clamp";
+    const beyond = S.outside(value, ...range) + (isClamped ? S.countsAs(range[value < low ? 0 : 1]) : "");
+    if (isInside || (isClamped && Number.isFinite(value))) this.store.setPoint(i, value);
+    if (isClamped) this.inputs[i].shown = shortNumber(this.store.point[i], 6); // what is said stays
+    sayWrong(number, !Number.isFinite(value) ? S.noNumber(number.value) : isInside ? "" : beyond);
   };
 
   draw = () => {

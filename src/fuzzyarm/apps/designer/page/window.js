@@ -38,6 +38,7 @@ class Whole {
     this.first = start.first; // the file to begin with
     this.names = start.files;
     this.unsaved = []; // the files of which a window has more than what is saved
+    this.missing = ""; // a file of the address that is not there, until that is said
     /** @type {Desk} */
     this.shown = null;
     this.connection = new Connection(
@@ -66,7 +67,10 @@ class Whole {
     this.listen();
     const wanted = fromAddress();
     this.show(this.names.includes(wanted) ? wanted : this.first);
-    if (wanted && this.shown.file !== wanted) history.replaceState(null, "", address(this.shown.file));
+    if (wanted && this.shown.file !== wanted) {
+      history.replaceState(null, "", address(this.shown.file));
+      this.missing = wanted;
+    }
     this.connection.open();
   }
 
@@ -87,6 +91,9 @@ class Whole {
     else if (message.is === "unsaved") this.changedTexts(message);
     else if (message.is === "stored") this.around.stored(message);
     else (this.desks.get(message.file) ?? (message.file ? null : this.shown))?.take(message);
+    if (message.is !== "status" || !this.missing) return;
+    this.shown.link.say(S.notThere(this.missing));
+    this.missing = "";
   };
 
   /** Offer these files. */
