@@ -14,6 +14,8 @@ from collections.abc import Callable, Generator
 from pathlib import Path
 
 os.environ["FUZZYARM_PROGRESS"] = "0"  # a machine under load must not say more than another
+# Tests fill all cores by themselves: threads of a BLAS would only wait for each other, busily.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import budget
 import pytest

@@ -329,7 +329,7 @@ def late(delay):
     ],
 )
 def test_an_unstable_loop_is_never_proved(name, text, options):
-    verdict = prove(text(), "stable", plant="motor", budget=4, **options)
+    verdict = prove(text(), "stable", plant="motor", budget=1, **options)
     assert not verdict.proved, name
 
 
