@@ -53,7 +53,12 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
 
 
 def mapped(
-    folder: Path, *, plant: str = PLANT, controller: str = CONTROLLER, budget: float = 1.5, claim: str = "stable"
+    folder: Path,
+    *,
+    plant: str = PLANT,
+    controller: str = CONTROLLER,
+    budget: float = 1.5,
+    claim: str = "stable",
 ) -> StartMap:
     """Write a plant and a controller into a folder, and map their starts with a certificate."""
     (folder / "cliff.py").write_text(plant)

@@ -199,11 +199,11 @@ def test_a_set_does_not_depend_on_those_beside_it(kind, tmp_path):
         ])  # fmt: skip
     boxes.append([(Fraction(0), Fraction(0)) for _ in box])
     follower = Follower(problem)
-    together = followed_together(follower, boxes, 30)
+    together = followed_together(follower, boxes, 12)
     for k, one in enumerate(boxes):
-        alone = followed_together(follower, [one], 30)
+        alone = followed_together(follower, [one], 12)
         assert np.array_equal(alone[..., 0], together[..., k], equal_nan=True), k
-    some = followed_together(follower, boxes[2:5], 30)
+    some = followed_together(follower, boxes[2:5], 12)
     assert np.array_equal(some, together[..., 2:5], equal_nan=True)
 
 
