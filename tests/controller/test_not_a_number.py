@@ -21,6 +21,7 @@ from fuzzyarm.control.controllers.text import PortError, with_files
 from fuzzyarm.control.loop import Options, Sensor
 from fuzzyarm.exchange.export.walk_of_steps import steps_of
 from fuzzyarm.language import format_text, parse
+from fuzzyarm.language.model.controller import EVENTS
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.setting import Clock, Reference, State
 
@@ -326,26 +327,44 @@ def test_a_state_that_is_not_a_number_is_a_divergence(tmp_path):
 
 
 def test_the_words_read_back_and_print():
-    line = "drive u = e, within -5 .. 5, slew 3, on nan 4"
+    line = "drive u = e, within -5 .. 5, slew 3, on nan 4, on leaving hold"
     text = f"controller c\nperiod 10 ms\naxis a\n  e = error of x\n  {line}\n"
     model = made(text).model
-    assert model.axes[0].lines[-1].on_nan == 4.0
+    assert dict(model.axes[0].lines[-1].events) == {"nan": 4.0, "leaving": "hold"}
     assert line in format_text(text)
-    turned = text.replace("slew 3, on nan 4", "on nan 4, slew 3")
+    turned = text.replace("slew 3, on nan 4, on leaving hold", "on leaving hold, on nan 4, slew 3")
     assert made(turned).model == model
 
 
-def test_a_value_outside_the_limits_is_a_finding():
+@pytest.mark.parametrize("event", EVENTS)
+def test_a_value_outside_the_limits_is_a_finding(event):
     text = (
         "controller c\nperiod 10 ms\naxis a\n  e = error of x\n"
-        "  drive u = e, within -5 .. 5, on nan 9\n"
+        f"  drive u = e, within -5 .. 5, on {event} 9\n"
     )
     (finding,) = parse(text).diagnostics
     assert finding.name == "bad-number"
-    assert finding.message == "'on nan' sends 9, outside the limits of the drive"
-    assert finding.hint == "write  on nan 5  or wider limits"
-    (finding,) = parse(text.replace("on nan 9", "on 9")).diagnostics
-    assert finding.message.startswith("expected 'nan' after 'on'")
+    assert finding.message == f"'on {event}' sends 9, outside the limits of the drive"
+    assert finding.hint == f"write  on {event} 5  or wider limits"
+    assert not parse(text.replace("9", "hold")).diagnostics
+    (finding,) = parse(text.replace(f"on {event} 9", "on 9")).diagnostics
+    assert finding.message.startswith("expected 'leaving' or 'nan' after 'on'")
+    (finding,) = parse(text.replace("9", "last")).diagnostics
+    assert finding.message == f"expected the value sent on {event} or 'hold', found 'last'"
+
+
+def test_holding_and_leaving_change_no_number(tmp_path):
+    runs = []
+    for words in ("", ", on nan hold", ", on leaving 3"):
+        path = tmp_path / "c.frb"
+        path.write_text(
+            "controller c\nperiod 10 ms\naxis a\n  e = error of x\n"
+            f"  drive u = e * 20, within -50 .. 50{words}\n"
+        )
+        run = simulate(path, plant=Moving(), step=1.0)
+        assert run.skipped == {"a": 10}
+        runs.append(run.error_matrix.tobytes())
+    assert len(set(runs)) == 1
 
 
 def test_the_steps_of_an_axis_have_a_guard():

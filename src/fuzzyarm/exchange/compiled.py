@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.exchange.export import ControllerProgram, Exported, ExportedController
     from fuzzyarm.exchange.export.routine import Routine
+    from fuzzyarm.proof.check.checking import Checked
     from fuzzyarm.table import LookupTable
 
 _DEFAULTS = {
@@ -78,6 +79,8 @@ class Making:
         Platforms of an FMU, such as ``linux64,win64``.
     proofs : tuple of str
         Proved properties of a controller's loop, for the header comment.
+    certified : Checked or None
+        The certificate of a guard.
     """
 
     source: str = ""
@@ -95,6 +98,7 @@ class Making:
     fmi: int = 2
     platforms: str | None = None
     proofs: tuple[str, ...] = ()
+    certified: Checked | None = None
 
 
 def making_of(request: ExportRequest) -> Making:
@@ -117,6 +121,25 @@ def making_of(request: ExportRequest) -> Making:
         fmi=request.fmi or 2,
         platforms=request.platforms,
     )
+
+
+def certified(how: Making, controller: ControllerText, request: ExportRequest) -> Making:
+    """Check the certificates of a request; return options with their claims and the guard."""
+    from fuzzyarm.proof.check.checking import check_certificate, proof_words
+    from fuzzyarm.proof.claim.text import claimed_plant
+
+    files = dict.fromkeys(filter(None, (request.certificate, request.guard)))
+    if files and (request.table or request.q):
+        raise WordError("the certificate is about the rules, not about a table or integers")
+    for path in files:
+        checked = check_certificate(path, controller, trust=request.trust)
+        if not checked.proved:
+            raise WordError(f"{path}: {checked.reason}")
+        plant = claimed_plant(checked.claim, trust=request.trust)
+        how = replace(how, proofs=(*how.proofs, proof_words(checked, controller, plant)))
+        if path == request.guard:
+            how = replace(how, certified=checked)
+    return how
 
 
 def _levels(text: str) -> Levels | Mapping[str, Levels]:
@@ -273,7 +296,7 @@ def controller_program(
         beside_rules = "" if how.q is not None else _beside_rules(by_rules, how, reports)
     precision, widened = how.precision or default, how.precision is None
     program = ControllerProgram(
-        controller, precision, how.q, how.proofs, widened, beside_rules=beside_rules
+        controller, precision, how.q, how.proofs, widened, beside_rules, how.certified
     )
     return program, tuple(reports.values())
 

@@ -369,24 +369,23 @@ class _Scope:
             self._turned("limits", *node.within)
         if node.slew is not None and not node.slew > 0.0:
             self.scope.report("bad-number", "expected a number above 0", span_of(node.slew))
-        self._judge_on_nan(node)
+        self._judge_events(node)
         if any(node is turned for turned in self.turned):
-            return replace(node, products=(), slew=None, on_nan=None)
+            return Drive(node.port, (), node.within, span=node.span)
         self._judge_sum(node.products)
         return node
 
-    def _judge_on_nan(self, node: Drive) -> None:
-        if node.on_nan is None or node.within is None:
-            return
-        low, high = node.within
-        if low < high and not low <= node.on_nan <= high:
-            nearest = min(max(node.on_nan, low), high)
-            self.scope.report(
-                "bad-number",
-                f"'on nan' sends {number_text(node.on_nan)}, outside the limits of the drive",
-                span_of(node.on_nan),
-                hint=f"write  on nan {number_text(nearest)}  or wider limits",
-            )
+    def _judge_events(self, node: Drive) -> None:
+        low, high = node.within or (-math.inf, math.inf)
+        for event, value in node.events:
+            if low < high and isinstance(value, float) and not low <= value <= high:
+                nearest = min(max(value, low), high)
+                self.scope.report(
+                    "bad-number",
+                    f"'on {event}' sends {number_text(value)}, outside the limits of the drive",
+                    span_of(value),
+                    hint=f"write  on {event} {number_text(nearest)}  or wider limits",
+                )
 
     # --- The whole ---
 

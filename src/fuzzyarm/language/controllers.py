@@ -21,6 +21,8 @@ from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
 from fuzzyarm.language.model.controller import (
+    EVENTS,
+    HOLD,
     Axes,
     Drive,
     GainModel,
@@ -398,10 +400,13 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                         ),
                         Number("slew", "the largest change per second"),
                     ),
-                    Maybe(
-                        FixedText("on", "", "value of the drive while an input is not a number"),
-                        FixedText("nan", "after 'on'", "a value that is not a number"),
-                        Number("on_nan", "the value sent in a skipped period"),
+                    *(
+                        Maybe(
+                            FixedText("on", "", "value of the drive in an event"),
+                            FixedText(event, "after 'on'", doc),
+                            Number(f"on_{event}", f"the value sent on {event}", or_word=HOLD),
+                        )
+                        for event, doc in EVENTS.items()
                     ),
                 ),
                 indent="  ",

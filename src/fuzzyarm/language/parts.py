@@ -261,24 +261,38 @@ class VariableName(Name):
 
 
 class Number(Part):
-    """A number."""
+    """A number, or a word in its place."""
 
-    def __init__(self, field: str, what: str, label: str = "N", *, finite: bool = True) -> None:
-        self.field, self.what, self.label, self.finite = field, what, label, finite
+    def __init__(
+        self, field: str, what: str, label: str = "N", *, finite: bool = True, or_word: str = ""
+    ) -> None:
+        self.field, self.finite, self.or_word = field, finite, or_word
+        self.what = f"{what} or '{or_word}'" if or_word else what
+        self.label = f"{label}|{or_word}" if or_word else label
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
-        values[self.field] = cursor.figure(self.what, finite=self.finite)
+        word = cursor.accept(self.or_word, likely=True) if self.or_word else None
+        values[self.field] = (
+            cursor.figure(self.what, finite=self.finite)
+            if word is None
+            else Word(word.text, word.span)
+        )
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
-        number = getattr(node, self.field)
-        if number is not None:
-            line.add(number_text(number))
+        value = getattr(node, self.field)
+        if value is not None:
+            line.add(value if isinstance(value, str) else number_text(value))
 
     def sketch(self, line: Printed) -> None:
         """Return its notation."""
         line.add(self.label)
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
+        if self.or_word:
+            yield self.or_word, "the last value"
 
     def fields(self) -> Iterator[tuple[str, Any]]:
         """Yield its fields."""
@@ -579,7 +593,7 @@ class Maybe(_Together):
 
 
 class OptionParts(Part):
-    """Options after commas, in any order; each begins with its word."""
+    """Options after commas, in any order; each begins with its word, or several with one."""
 
     def __init__(self, *options: Maybe) -> None:
         self.options = options
@@ -587,11 +601,9 @@ class OptionParts(Part):
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         values.update(self.fields())
-        by_word = {option.first: option for option in self.options}
-        what = " or ".join(f"'{word}'" for word in sorted(by_word)) + " after the comma"
         while cursor.accept(","):
             with cursor.up_to(","):
-                by_word[cursor.word(what, by_word, "unexpected-token")].read_rest(cursor, values)
+                _chosen(self.options, cursor, "after the comma").read_rest(cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
@@ -621,6 +633,18 @@ class OptionParts(Part):
         """Yield its words of the language."""
         for option in self.options:
             yield from option.words()
+
+
+def _chosen(options: Sequence[Maybe], cursor: Cursor, where: str) -> Maybe:
+    """Take the word of an option; where it is that of several, go on to the one that is meant."""
+    by_word: dict[str, list[Maybe]] = {}
+    for option in options:
+        by_word.setdefault(option.first, []).append(option)
+    what = " or ".join(f"'{word}'" for word in sorted(by_word)) + f" {where}"
+    word = cursor.word(what, by_word, "unexpected-token")
+    first, *others = by_word[word]
+    rests = [Maybe(*option.parts[1:]) for option in (first, *others)] if others else []
+    return _chosen(rests, cursor, f"after '{word}'") if rests else first
 
 
 class Forgiving(_Together):

@@ -69,6 +69,11 @@ class ExportRequest(CompileRequest):
         "--certificate CERT", "of a controller: certificate quoted in the header", None,
         group=SOURCE,
     )  # fmt: skip
+    guard: str | None = option(
+        "--guard CERT", "of a controller in C: a test of its state by this certificate", None,
+        group=SOURCE,
+    )  # fmt: skip
     trust: bool = option(
-        "--trust", "with --certificate: run the Python file of its plant", False, group=SOURCE
-    )
+        "--trust", "with --certificate or --guard: run the Python file of its plant", False,
+        group=SOURCE,
+    )  # fmt: skip

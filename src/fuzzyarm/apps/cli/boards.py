@@ -47,8 +47,9 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
     with busy("compiling") as progress:
         controller = controller_if_any(request.file)
         if controller is not None:
-            from fuzzyarm.exchange.compiled import controller_program
+            from fuzzyarm.exchange.compiled import certified, controller_program
 
+            how = certified(how, controller, request)
             precision = how.precision or "mixed"
             program, reports = controller_program(controller, how, precision, progress)
             others = {
@@ -59,6 +60,9 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
             }
             folder = board_folder(program, stem, board, request.place or "arduino", others)
         else:
+            if given := request.given(("certificate", "guard", "trust")):
+                why = f"{request.file} is not a controller"
+                raise UsageError(f"{given.spelling} does not apply: {why}")
             routines, reports = _routines(load_sheet(request.file), board, how, progress)
             folder = board_folder(routines, stem, board, request.place or "arduino")
     write_folder(out, folder.files)
@@ -74,8 +78,9 @@ def _with_tables(how: Making) -> dict[str, Making]:
     tables = {"--table": None, "--q 15": 15, "--q 7": 7}
     if how.q is not None:
         return {}
-    made = {option: replace(how, direct=False, table=True, q=q) for option, q in tables.items()}
-    return {option: making for option, making in made.items() if making != how}
+    before, how = how, replace(how, direct=False, table=True, certified=None)
+    made = {option: replace(how, q=q) for option, q in tables.items()}
+    return {option: making for option, making in made.items() if making != before}
 
 
 def _routines(

@@ -23,7 +23,8 @@ sketch, a self-test, and a README with the size and cycles on the board, measure
 simavr are installed.
 
 A controller becomes a state with `init` and `step` in C, or a function block. Its rules are
-inferred, or with --table looked up in tables made as above. With .fmu any of the three becomes
+inferred, or with --table looked up in tables made as above. --guard tests before each step of C
+whether the state is in the region of a certificate. With .fmu any of the three becomes
 a co-simulation unit (FMI), built with the installed C compiler.
 
   fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
@@ -89,7 +90,7 @@ _UNIT = ".fmu"
 _SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
 _RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
-_CONTROLLERS_ONLY = ("certificate", "trust")
+_CONTROLLERS_ONLY = ("certificate", "guard", "trust")
 _UNITS_ONLY = ("fmi", "platforms")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
@@ -175,7 +176,7 @@ def _write_for_board(request: ExportWords) -> None:
 
     _forbid(
         request,
-        ("ends", "fmi", "platforms", "certificate", "report"),
+        ("ends", "fmi", "platforms", "report"),
         f"--for {request.place} makes a folder for a board",
     )
     if request.table and request.direct:
@@ -306,32 +307,16 @@ def _of_file(path: str) -> Iterator[None]:
         raise error.in_file(path) from error
 
 
-def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
-    """Check a certificate; return its claim, for the header comment."""
-    from fuzzyarm.proof.check.checking import check_certificate, proof_words
-    from fuzzyarm.proof.claim.text import claimed_plant
-
-    checked = check_certificate(path, controller, trust=trust)
-    if not checked.proved:
-        raise WordError(f"{path}: {checked.reason}")
-    return proof_words(checked, controller, claimed_plant(checked.claim, trust=trust))
-
-
 def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:
     """Write a controller as a program and print a summary."""
-    from fuzzyarm.exchange.compiled import making_of, program_of
+    from fuzzyarm.exchange.compiled import certified, making_of, program_of
 
     if request.table and request.direct:
         raise UsageError("--table and --direct exclude each other")
     if not request.table:
         _forbid(request, _MADE_TABLES_ONLY, "without --table no table is made of rules")
     _forbid(request, ("output",), "a controller is exported as a whole")
-    how = making_of(request)
-    if request.certificate is not None:
-        if request.table or request.q:
-            raise WordError("the certificate is about the rules, not about a table or integers")
-        proved = _certified(request.certificate, controller, trust=request.trust)
-        how = replace(how, proofs=(proved,))
+    how = certified(making_of(request), controller, request)
     with busy("exporting") as progress, _of_file(request.file):
         exported, reports = program_of(controller, request.out, how, progress)
     report = _report(request, how, exported)

@@ -144,8 +144,8 @@ def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -
             low, high = map(number_text, line.within)
             limits = f", within {low} .. {high}"
         slew = "" if line.slew is None else f", slew {number_text(line.slew)}"
-        on_nan = "" if line.on_nan is None else f", on nan {number_text(line.on_nan)}"
-        return f"{_sum_words(line.products, word)}{limits}{slew}{on_nan}"
+        events = "".join(f", on {event} {_word(value)}" for event, value in line.events)
+        return f"{_sum_words(line.products, word)}{limits}{slew}{events}"
     if line.source is None:
         return _sum_words(line.products, word)
     if line.source.kind == CHOICE.name:

@@ -725,9 +725,9 @@ class _Writer:
 
 
 def skipped_drives(
-    axes: Axes, hold: Callable[[float], float]
+    axes: Axes, hold: Callable[[float], float], event: str = "nan"
 ) -> dict[str, tuple[float, float | None]]:
-    """Return of each port its value before the first period, and that of a skipped one.
+    """Return of each port its value before the first period, and that in an event.
 
     Parameters
     ----------
@@ -735,6 +735,8 @@ def skipped_drives(
         Lines of an axis; several drives of a port add up.
     hold : callable
         Rounds a value for storage.
+    event : str
+        One of `EVENTS`.
 
     Returns
     -------
@@ -745,8 +747,9 @@ def skipped_drives(
     for line in axes.lines:
         if isinstance(line, Drive):
             idle, sent = drives.get(line.port, (0.0, None))
-            if line.on_nan is not None:
-                sent = hold((sent or 0.0) + line.on_nan)
+            value = dict(line.events).get(event)
+            if isinstance(value, float):
+                sent = hold((sent or 0.0) + value)
             drives[line.port] = hold(idle + line.idle), sent
     return drives
 

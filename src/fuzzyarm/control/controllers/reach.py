@@ -315,7 +315,7 @@ class Ranges(Algebra[Reach]):
 
     def drive(self, axis: str, line: Drive, value: Reach) -> Reach:
         """Note a drive."""
-        if line.on_nan is not None:  # in a period in which something is not a number
+        if isinstance(line.on_nan, float):  # in a period in which something is not a number
             sent = hull(value.at, Interval(line.on_nan, line.on_nan))
         else:
             sent = value.at

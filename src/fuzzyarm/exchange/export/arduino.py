@@ -87,7 +87,7 @@ class BoardFolder:
 
 
 @dataclass(frozen=True)
-class _BoardPart:
+class BoardPart:
     """The common part of routines and controllers on a board."""
 
     stem: str
@@ -121,7 +121,7 @@ def board_folder(
 ) -> BoardFolder:
     """Return the folder of routines or of a controller, measured where that can be done."""
     if isinstance(exported, ControllerProgram):
-        part = _controller_part(exported, stem, board)
+        part = board_part(exported, stem, board)
     else:
         part = _routines_part(exported, stem, board)
     constants = part.library.printer.flash
@@ -148,7 +148,7 @@ def board_folder(
 def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) -> Pace | None:
     """Return the cost of a turn of another program; None if it cannot be built, or is too large."""
     try:
-        part = _controller_part(make(), stem, board)
+        part = board_part(make(), stem, board)
         measured = part.measured(board)
         if measured is not None:
             demand_fit(measured.footprint, board, stem)
@@ -160,7 +160,7 @@ def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) 
 # --- The board ---
 
 
-def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _BoardPart:
+def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> BoardPart:
     library = routines_c(routines, stem, stem, LIBRARY)
     first = routines[0]
     vectors = first.vectors()
@@ -182,14 +182,19 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Boa
     notes = [f"`{prototype}`" for prototype in library.prototypes]
     stack = max(routine.cost().stack for routine in routines)
     sketch = list(_routine_sketch(routines, library, stem, board))
-    return _BoardPart(stem, plain(words), library, call, sketch, 0, stack, notes)
+    return BoardPart(stem, plain(words), library, call, sketch, 0, stack, notes)
 
 
-def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _BoardPart:
+def board_part(program: ControllerProgram, stem: str, board: Board) -> BoardPart:
+    """Return a controller on a board."""
     steps, trial_run = program.steps, program.tried
-    library = controller_c(steps, stem, stem, LIBRARY, trial_run.vectors, program.head())
+    guard = program.guard
+    vectors, step = trial_run.vectors, f"{'guarded_' * (guard is not None)}step"
+    library = controller_c(steps, stem, stem, LIBRARY, vectors, program.head(), guard)
     kind = C_TYPES[steps.precision.outside]
     rows = [list(row) or [0.0] for row in trial_run.vectors.inputs][:_SKETCH_CALLS]
+    if guard is not None:  # else it would send the fallback
+        rows = list(guard.inside(steps, _SKETCH_CALLS))
     sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
     types = {"reference": "reference", "measured": "measured", "drive": "drives"}
     declarations = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
@@ -204,7 +209,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
         ],
         start=[f"{stem}_init(&state);"],
         load=[f"{library.place(port)} = given[k][{k}];" for k, port in enumerate(variables)],
-        call=f"{stem}_step({arguments});",
+        call=f"{stem}_{step}({arguments});",
         count=len(rows),
         arrays=0,
         self_test=library.self_test,
@@ -214,7 +219,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
     notes = [f"`{prototype}`" for prototype in library.prototypes]
     sketch = list(_controller_sketch(program, library, stem, board))
     inputs = len(steps.of_sort("measured"))
-    return _BoardPart(
+    return BoardPart(
         stem, words, library, call, sketch, library.printer.ram(), 0, notes, model.period, inputs
     )
 
@@ -337,7 +342,8 @@ def _controller_sketch(
         yield f"    {controller.place(port)} = {text}; {remark}"
     if drives:
         arguments.append("&drive")
-    yield f"    {stem}_step({', '.join(arguments)});"
+    step = "step" if program.certified is None else "guarded_step"
+    yield f"    {stem}_{step}({', '.join(arguments)});"
     yield "    show();"
     yield from ["}", ""]
 
@@ -370,7 +376,7 @@ def _opening(
     yield "}"
 
 
-def _self_test_sketch(part: _BoardPart) -> list[str]:
+def _self_test_sketch(part: BoardPart) -> list[str]:
     return [
         "// Reports whether this board agrees with the model.",
         f"#include <{part.stem}.h>",
@@ -443,7 +449,7 @@ def _quoted(text: str) -> str:
 
 
 def _files(
-    part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
+    part: BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
 ) -> Iterator[tuple[str, str]]:
     stem, sketch = part.stem, "\n".join(part.sketch)
     testing = "\n".join(_self_test_sketch(part))
@@ -466,7 +472,7 @@ def _files(
     yield "README.md", "\n".join([*_readme(part, board, place, measured, doubt), ""])
 
 
-def _properties(part: _BoardPart, board: Board) -> str:
+def _properties(part: BoardPart, board: Board) -> str:
     words = {
         "name": part.stem,
         "version": "1.0.0",
@@ -489,7 +495,7 @@ def _architecture(board: Board) -> str:
     return names[board.platform]
 
 
-def _library_json(part: _BoardPart, board: Board) -> str:
+def _library_json(part: BoardPart, board: Board) -> str:
     content = {
         "name": part.stem,
         "version": "1.0.0",
@@ -502,7 +508,7 @@ def _library_json(part: _BoardPart, board: Board) -> str:
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 
 
-def _keywords(part: _BoardPart) -> str:
+def _keywords(part: BoardPart) -> str:
     """Return the words that the IDE colours; the mark between is a tab."""
     functions = [_function(prototype) for prototype in part.library.prototypes]
     listed = [*functions, part.library.self_test]
@@ -527,7 +533,7 @@ _MARKDOWN = re.compile(r"[\\`*\[<&~]|(?<!\w)_|_(?!\w)")
 
 
 def _readme(
-    part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
+    part: BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
 ) -> Iterator[str]:
     words = _MARKDOWN.sub(r"\\\g<0>", part.words)
     yield from [f"# {part.stem}", "", f"{words}. Made by fuzzyarm {__version__}.", ""]
@@ -553,7 +559,7 @@ def _readme(
         yield from ["", *_wrapped(doubt)]
 
 
-def _figures(part: _BoardPart, board: Board, measured: Measured | None) -> Iterator[str]:
+def _figures(part: BoardPart, board: Board, measured: Measured | None) -> Iterator[str]:
     constants = part.library.printer.flash
     yield f"- tables: {constants} bytes of flash, no RAM"
     if measured is None:

@@ -19,6 +19,7 @@ import numpy as np
 
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.controller_lowering import LEFT, controller_program
+from fuzzyarm.exchange.export.guard import LEFT_REGION, SENT, RegionGuard
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target, start_text
@@ -139,9 +140,13 @@ class CPrinter(Printer):
         Bytes of constants, and of the largest array of them.
     in_flash : str
         Qualifier of types in flash.
+    fallback : mapping of str to float or None, or None
+        Of a guarded controller, by symbol of a drive: its value after a refused state, None for the
+        last one.
     """
 
     in_flash = ""
+    fallback: Mapping[str, float | None] | None = None
 
     def __init__(
         self, program: Program, prefix: str, form: str, steps: Steps | None = None
@@ -168,6 +173,8 @@ class CPrinter(Printer):
         self.types: list[str] = []
         self.places: dict[str, str] = {}
         for word in _FRAME if self.steps is not None else ():
+            self.free(word)
+        for word in _GUARDED if self.program.guard is not None else ():
             self.free(word)
         self.self_test = self.free("self_test") if self.form == LIBRARY else ""
         functions = [*self.program.functions.values(), self.program.step]
@@ -228,6 +235,12 @@ class CPrinter(Printer):
             "init": f"void {p}_init({p}_state *s)",
             "step": f"void {p}_step({', '.join([f'{p}_state *s', *ports])})",
         }
+        if self.program.guard is not None:
+            given = [f"{p}_state *s", *(x for x in ports if x.startswith("const"))]
+            signatures |= {
+                "left": f"bool {p}_left({', '.join(given)})",
+                "guarded": f"void {p}_guarded_step({', '.join([f'{p}_state *s', *ports])})",
+            }
         if steps.learned:
             kind = C_TYPES[steps.precision.outside]
             signatures |= {
@@ -246,12 +259,14 @@ class CPrinter(Printer):
             bodies = {
                 "init": list(self._init()),
                 "step": _CFunction(self, step).lines(step.body),
+                "left": list(self._left()),
+                "guarded": list(self._guarded(self.steps)),
                 "save": list(self._copied(self.steps, saved=True)),
                 "load": list(self._copied(self.steps, saved=False)),
             }
             for part, prototype in self._prototypes(self.steps).items():
                 body = bodies[part]
-                if not any("s->" in line for line in body):  # a drive that is a number
+                if not any(re.search(r"\bs\b", line) for line in body):  # a drive that is a number
                     body = ["(void)s;", *body]
                 lines = [f"    {line}" for line in body]
                 functions.append(
@@ -269,6 +284,28 @@ class CPrinter(Printer):
             if len(set(member.start)) > 1:
                 start = f"{self.constant(f'{member.name}_start', member.kind, member.start)}[k]"
             yield from self._for_all(len(member.start), [f"{place}[k] = {start};"])
+
+    def _left(self) -> Iterator[str]:
+        """Yield the statements of the test of a guard."""
+        guard = self.program.guard
+        if guard is not None:
+            yield from _CFunction(self, guard).lines(guard.body)
+            yield f"return {self.places[LEFT_REGION]};"
+
+    def _guarded(self, steps: Steps) -> Iterator[str]:
+        """Yield the statements of a guarded step: the fallback, or the step."""
+        if self.fallback is None:
+            return
+        p, sorts = self.prefix, [sort for sort in PORTS if steps.of_sort(sort)]
+        tested = [sort for sort in sorts if sort != "drive"]
+        yield f"if ({p}_left({', '.join(['s', *tested])})) {{"
+        sent = {drive: self.places.get(f"{SENT} {drive}") for drive in self.fallback}
+        for drive, value in self.fallback.items():
+            text = sent[drive] or _number(self, value or 0.0, steps.precision.outside)
+            yield f"    {self.places[drive]} = {text};"
+        yield from ["} else {", f"    {p}_step({', '.join(['s', *sorts])});"]
+        yield from (f"    {place} = {self.places[x]};" for x, place in sent.items() if place)
+        yield "}"
 
     def _for_all(self, count: int, lines: Sequence[str]) -> list[str]:
         opening = self.target.repeat.format(
@@ -301,9 +338,9 @@ class CPrinter(Printer):
             lines = [
                 f"static {self.prefix}_state s;",
                 *(f"{self.prefix}_{PORTS[sort]} {sort};" for sort in sorts),
-                f"{self.prefix}_init(&s);",
             ]
         for each in self.program.tests:
+            lines += [f"{self.prefix}_init(&s);"] * (self.steps is not None)
             lines += self.test_lines(each, "test")
         tested = "steps" if self.steps is not None else "functions"
         constants = self.constants[before:]
@@ -320,6 +357,8 @@ class CPrinter(Printer):
         """Return about how many bytes the state takes."""
         return sum(map(_size, self.program.state.values()))
 
+
+_GUARDED = ("left", "guarded_step")
 
 _FRAME = (
     "state", "gains", "reference", "measured", "drives", "init", "step", "save", "load",
@@ -357,7 +396,8 @@ class _CFunction(FunctionPrinter):
 
     def name_variables(self) -> None:
         """Name parameters and local variables."""
-        if self.function is self.printer.program.step:
+        program = self.printer.program
+        if self.function in (program.step, program.guard):
             self.rename |= self.printer.places
             self.declared |= self.printer.places.keys()
             self.names.take(["s", *PORTS])
@@ -381,7 +421,7 @@ class _CFunction(FunctionPrinter):
         found = zip(line.targets, steps.of_sort("drive"), strict=True)
         return [
             *(f"{self._port(variable)} = {text};" for variable, text in given),
-            f"{prefix}_step({passed});",
+            f"{prefix}_{'guarded_' * line.guarded}step({passed});",
             *(self._set(target, self._port(drive), "") for target, drive in found),
         ]
 
@@ -440,6 +480,11 @@ class _Types:
                 kind = self.printer.target.types[INDEX]
                 remark = "periods to the next one, this included"
                 first.append(f"    {kind} until_set_point; /* {remark} */")
+            elif key == LEFT_REGION:
+                name = self.room.new(member.name)
+                self.printer.places[key] = f"s->{name}"
+                kind = self.printer.target.types[TRUTH]
+                first.append(f"    {kind} {name}; /* {member.remark} */")
             elif member.role != "gain":
                 size = f"[{len(member.start)}]" if isinstance(member.start, tuple) else ""
                 kind = self.printer.target.types[member.kind]
@@ -557,6 +602,7 @@ def controller_c(
     form: str,
     vectors: TestSequence | None,
     words: Sequence[str],
+    guard: RegionGuard | None = None,
 ) -> CText:
     """Return a controller in C; `words` begin the comment at its head, others as `routines_c`."""
     program = controller_program(steps, pointers=True)
@@ -567,7 +613,15 @@ def controller_c(
         ]
         kind, inputs = steps.precision.outside, len(rows[0]) - len(vectors.expected[0])
         program.tests.append(SelfTest("", kind, rows, inputs, vectors.tolerance, 0.0))
+        if guard is not None:
+            program.tests += (
+                SelfTest("", kind, rows, inputs, vectors.tolerance, 0.0, guarded=True)
+                for rows in guard.trials(steps, controller_program(steps))
+            )
+    if guard is not None:
+        guard.add_to(program, steps)
     printer = CPrinter(program, prefix, form, steps)
+    printer.fallback = guard.fallback if guard is not None else None
 
     def head(text: _Text) -> list[str]:
         lines = [*words, "", *_use_words(printer, steps, text), f"self-test{text.test}"]
@@ -718,12 +772,13 @@ _NAN_NEEDED = (
 
 def _use_words(printer: CPrinter, steps: Steps, text: _Text) -> list[str]:
     prefix = printer.prefix
+    step = f"{prefix}_{'guarded_' * (printer.program.guard is not None)}step"
     lines = [f"{prototype};" for prototype in text.prototypes]
     lines += [
         f"constants (flash): {printer.flash} bytes, besides the code",
         f"state (RAM): about {printer.ram()} bytes; nothing is allocated, nothing is static",
         f"use: {text.use}",
-        f"call {prefix}_init once, {prefix}_step every {number_text(steps.model.period)} s;"
+        f"call {prefix}_init once, {step} every {number_text(steps.model.period)} s;"
         f" gains are s.gains, which {prefix}_init sets",
     ]
     if steps.needs_last:

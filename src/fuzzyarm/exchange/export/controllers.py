@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,10 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.compiler import over_inputs
 from fuzzyarm.version import __version__
+
+if TYPE_CHECKING:
+    from fuzzyarm.exchange.export.guard import RegionGuard
+    from fuzzyarm.proof.check.checking import Checked
 
 PERIODS = 200
 """Periods of a self-test."""
@@ -156,6 +161,8 @@ class ControllerProgram:
         Whether rule bases that need double precision compute in it internally.
     beside_rules : str
         How far its drives with tables are from those with rules; empty if unknown.
+    certified : Checked or None
+        The certificate of which its program has a guard.
     """
 
     text: ControllerText
@@ -164,6 +171,16 @@ class ControllerProgram:
     proofs: tuple[str, ...] = ()
     widened: bool = False
     beside_rules: str = ""
+    certified: Checked | None = None
+
+    @cached_property
+    def guard(self) -> RegionGuard | None:
+        """The guard of its program."""
+        if self.certified is None:
+            return None
+        from fuzzyarm.exchange.export.certified_guard import region_guard
+
+        return region_guard(self.certified, self.steps)
 
     @cached_property
     def steps(self) -> Steps:
@@ -243,7 +260,8 @@ class ControllerProgram:
             lines.append(
                 "functions of math.h are called, whose last bits may differ between machines"
             )
-        return [*lines, *(f"{key}: {value}" for key, value in self.provenance())]
+        guard = [] if self.guard is None else self.guard.words(self.steps)
+        return [*lines, *(f"{key}: {value}" for key, value in self.provenance()), *guard]
 
     def _port_words(self) -> list[str]:
         words = {"reference": "references", "measured": "measured", "drive": "drives"}

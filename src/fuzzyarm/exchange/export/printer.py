@@ -274,7 +274,7 @@ class Printer:
         if test.function:
             lines: list[Line] = [Assign(found[0], Called(test.function, given))]
         else:
-            lines = [Stepped(found, given + (Truth(False),) * test.late)]
+            lines = [Stepped(found, given + (Truth(False),) * test.late, test.guarded)]
         pairs = zip(map(symbol, found), row[test.inputs :], strict=True)
         lines += judged(test, list(pairs), self.target)
         body = [Repeat("k", len(test.rows), tuple(lines))]

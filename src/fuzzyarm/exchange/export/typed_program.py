@@ -232,6 +232,7 @@ class Stepped(NamedTuple):
 
     targets: tuple[str, ...]
     arguments: tuple[Node, ...]
+    guarded: bool = False
 
 
 Line = Any
@@ -365,6 +366,8 @@ class SelfTest:
         The same where a port computes in floats of 32 bits.
     late : bool
         Whether a step has a last argument for the end of a set point, which is false.
+    guarded : bool
+        Whether it is of the guarded step.
     """
 
     function: str
@@ -374,6 +377,7 @@ class SelfTest:
     tolerance: float
     loose: float
     late: bool = False
+    guarded: bool = False
 
 
 @dataclass
@@ -386,6 +390,8 @@ class Program:
         By key, in order of definition: callees come before callers.
     step : Function or None
         Of a controller: its parameters are the ports; it returns the drives.
+    guard : Function or None
+        Of a guarded one: the test of its state, before the step.
     drives : dict of str to Variable
         For a controller, by symbol: the result of a step.
     tests : list of SelfTest
@@ -403,6 +409,7 @@ class Program:
     functions: dict[str, Function] = field(default_factory=dict)
     state: dict[str, Member] = field(default_factory=dict)
     step: Function | None = None
+    guard: Function | None = None
     drives: dict[str, Variable] = field(default_factory=dict)
     tests: list[SelfTest] = field(default_factory=list)
     inputs: list[dict[str, Any]] = field(default_factory=list)

@@ -323,7 +323,7 @@ def _in_c(given: _Given, to: _To) -> _Made:
     stem, suffix = to.path.stem, to.path.suffix.lower()
     if isinstance(given, ControllerProgram):
         vectors, head = given.tried.vectors, given.head()
-        made = controller_c(given.steps, to.prefix, stem, suffix, vectors, head)
+        made = controller_c(given.steps, to.prefix, stem, suffix, vectors, head, given.guard)
     else:
         made = routines_c(given, to.prefix, stem, suffix)
     files = tuple((to.path.with_suffix(end), text) for end, text in made.files.items())
@@ -399,6 +399,11 @@ def _made(
 ) -> _Made:
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name)
+    if isinstance(given, ControllerProgram) and given.certified and suffix not in (".h", ".c"):
+        raise ExportError(
+            f"a guard is exported in C, and '{path.name}' is not",
+            hint="-o NAME.h or NAME.c, or --for arduino or platformio",
+        )
     return _FORMS[suffix](given, _To(path, prefix, fmi, platforms))
 
 

@@ -296,20 +296,38 @@ class Learn:
         return value if isinstance(value, str | float) else usual
 
 
+EVENTS = {
+    "nan": "a value that is not a number",
+    "leaving": "a state outside the region of a guard",
+}
+"""Events in which a drive sends another value than its sum: ``on EVENT N|hold``."""
+
+HOLD = "hold"
+"""The value of a drive on an event: its last one."""
+
+
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """``drive PORT = SUM [, within A .. B] [, slew N] [, on nan N]``; drives of a port add up.
+    """``drive PORT = SUM [, within A .. B] [, slew N] [, on EVENT N|hold]``.
 
-    First the limits apply, then the rate of change, per second. `on_nan` is the value of the port
-    in a skipped period, instead of the last one.
+    Drives of a port add up. First the limits apply, then the rate of change, per second. `on_nan`
+    is the value of the port in a skipped period, `on_leaving` that after a guard of exported C has
+    refused a state.
     """
 
     port: str
     products: tuple[Product, ...]
     within: tuple[float, float] | None = None
     slew: float | None = None
-    on_nan: float | None = None
+    on_nan: float | str | None = None
+    on_leaving: float | str | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def events(self) -> Iterator[tuple[str, float | str]]:
+        """The events of which it says what it sends, each with a number or `HOLD`."""
+        sent = ((event, getattr(self, f"on_{event}")) for event in EVENTS)
+        return ((event, value) for event, value in sent if value is not None)
 
     def reads(self) -> Iterator[str]:
         """Yield the signals, gains and partners that it is made of."""

@@ -95,6 +95,8 @@ class Checked(Shown):
         Of a map: which share of its window these are, rounded down.
     seconds : float
         How long it took.
+    proof : CheckedProof or None
+        The loop and the regions of it; None where it is not proved.
     """
 
     statement: str
@@ -112,6 +114,7 @@ class Checked(Shown):
     boxes: int = 0
     coverage: float = 0.0
     seconds: float = field(default=0.0, compare=False)
+    proof: CheckedProof | None = field(default=None, compare=False)
 
     @property
     def proved(self) -> bool:
@@ -231,7 +234,7 @@ def check_certificate(
         checked, statement=statement, loop=proof.loop,
         files={**certificate.fingerprints, **plant_files(plant)},
         theorems=proof.theorems, boxes=len(certificate.tubes), coverage=proof.coverage,
-        seconds=time.monotonic() - begun,
+        seconds=time.monotonic() - begun, proof=proof,
         **proof.facts,
     )  # fmt: skip
 
@@ -266,13 +269,21 @@ def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
 
 def demand_proved(
     problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces | None = None
-) -> _Proof:
+) -> CheckedProof:
     """Return the proof of a certificate's claim; LoopProofError where it is none."""
-    return _Proof(problem, certificate, surfaces or RuleSurfaces())
+    return CheckedProof(problem, certificate, surfaces or RuleSurfaces())
 
 
-class _Proof:
-    """A proof of a certificate's claim."""
+class CheckedProof:
+    """A proof of a certificate's claim.
+
+    Attributes
+    ----------
+    problem : LoopProblem
+        The loop.
+    havens : tuple of Haven
+        Its proved regions.
+    """
 
     def __init__(
         self, problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces
@@ -297,6 +308,7 @@ class _Proof:
             havens = [Haven(accepted(problem, r, self.surfaces), r) for r in regions]
             self.facts = region_facts(problem, *havens[0]) if havens else {}
             self._follow(havens, tubes)
+        self.havens = tuple(havens)
         self.loop = tuple(_loop_words(haven) for haven in havens)
         self.theorems = (
             *((OF_REGIONS,) if regions else ()),

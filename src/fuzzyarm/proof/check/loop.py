@@ -142,6 +142,8 @@ class CheckedLoop(System):
         Other memory before the first period.
     drives : dict of (str, str) to LinearSignal
         Inputs of the plant within its limits, by axis and port: held from one sample to the next.
+    outputs : dict of (str, str) to LinearSignal
+        Outputs of the plant, by axis and port.
     still : set of str
         Memory and inputs of the program beside z: they keep their start.
     """
@@ -152,6 +154,7 @@ class CheckedLoop(System):
     seeds: Mapping[str, tuple[Number, Parts]]
     begin: Mapping[str, Number]
     drives: Mapping[Address, LinearSignal]
+    outputs: Mapping[Address, LinearSignal]
     still: Set[str]
 
     def rows_of_drive(self, address: Address) -> list[list[Number]]:
@@ -311,6 +314,7 @@ class _Derivation:
             seeds=seeds,
             begin=begin,
             drives=inputs,
+            outputs=self._outputs(z),
             still=still,
         )
 
@@ -318,14 +322,14 @@ class _Derivation:
         self, lines: LinearSignals, z: Mapping[str, LinearSignal], *, first: bool = False,
         states: Mapping[str, LinearSignal] | None = None,
     ) -> tuple[dict[Address, LinearSignal], dict[str, LinearSignal]]:  # fmt: skip
-        outputs = {
-            address: self._output(k, z)
-            for k, address in enumerate(self.problem.site.interface.outputs)
-        }
         if states is None:
             slopes = list(z.values())[len(self.problem.states) :]
             states = dict(zip(self.memory, slopes, strict=True))
-        return self.walk.period(lines, outputs, states, first=first)
+        return self.walk.period(lines, self._outputs(z), states, first=first)
+
+    def _outputs(self, z: Mapping[str, LinearSignal]) -> dict[Address, LinearSignal]:
+        addresses = self.problem.site.interface.outputs
+        return {address: self._output(k, z) for k, address in enumerate(addresses)}
 
     def _output(self, index: int, z: Mapping[str, LinearSignal]) -> LinearSignal:
         """Return an output of the plant, which has to be affine, by its slopes."""
