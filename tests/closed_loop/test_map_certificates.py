@@ -270,3 +270,21 @@ def test_the_time_of_a_map_is_that_of_the_slowest_way_through_its_boxes(
         kind, before = tube.into
         slowest.append(tube.periods + (max(slowest[:before], default=0) if kind == "tubes" else 0))
     assert found.longest == pytest.approx(0.01 * max(slowest))
+
+
+def test_the_head_of_a_program_has_the_window_and_where_other_states_begin(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with_more = PLANT.replace('{"y": "m"}', '{"y": "m", "z": "m"}')
+    with_more = with_more.replace("+ u[0]]", "+ u[0], 1.0 - x[1]]")
+    with_more += "\n    def start(self, rng):\n        return [0.0, 0.25]\n"
+    Path("cliff.py").write_text(with_more)
+    Path("hold.frb").write_text(CONTROLLER)
+    window = ["--over", "y in -1 .. 1", "--budget", "6", "--certificate", "m.json"]
+    assert main(["prove", "hold.frb", "--plant", "cliff.py", "--map", *window]) in (0, 4)
+    words = ["--certificate", "m.json", "--trust"]
+    assert main(["compile", "hold.frb", "-o", "hold.h", *words]) == 0
+    head = " ".join(Path("hold.h").read_text().partition("*/")[0].replace("*", "").split())
+    assert "of y in -1 .. 1 (" in head
+    assert "), the other states at z = 0.25, every run comes to rest" in head

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import re
@@ -333,10 +334,52 @@ def test_the_head_says_what_is_proved_of_which_plant(guarded):
         "every state with V <= 1 passes; one that passes has such a V <= 1 + 1.8",
         "of the set points position = 0, velocity = 0; with others it refuses",
         "after a state that it refuses: voltage = 0, until init",
-        f"plant motor, SHA-256 {digest}",
+        f"plant motor, SHA-256 of its equations {digest}",
         "servo_guarded_step every 0.001 s",
     ):
         assert words in head
+
+
+OWN = """
+from fuzzyarm.plant import Plant, Port
+
+class Lag(Plant):
+    states = {"y": "V", "z": "V"}
+    inputs = {"u": Port("V", -10, 10)}
+    outputs = {"y": Port("V", -5, 5), "sum": Port("V", -10, 10)}
+
+    def derivative(self, t, x, u, p):
+        return [x[1] - x[0], u[0] - 2 * x[1]]
+
+    def measure(self, t, x, u, p):
+        return [x[0], x[0] + 2 * x[1]]
+"""
+
+
+def test_outputs_that_are_sums_of_states_are_known(tmp_path):
+    (tmp_path / "lag.py").write_text(OWN)
+    path = tmp_path / "c.frb"
+    path.write_text(
+        "controller c\nperiod 100 ms\naxis a\n  e = error of y\n  m = measured sum\n"
+        "  drive u = e * 2 - m * 0.5, within -10 .. 10, on leaving hold\n"
+    )
+    certificate = proved(path, "--plant", str(tmp_path / "lag.py"))
+    out, words = tmp_path / "c.c", ["--guard", str(certificate), "--trust"]
+    assert main(["compile", str(path), "-o", str(out), *words]) == 0
+    source = out.read_text()
+    assert self_test(tmp_path, "c", source) == 0
+    digest = hashlib.sha256((tmp_path / "lag.py").read_bytes()).hexdigest()
+    assert f"file lag.py, SHA-256 {digest}" in re.sub(r"\s+\*\s+", " ", source)
+    assert "a state that passes has V <= 1" in source
+    # V = |L k|² of k = (y, y + 2 z) is V of (y, z).
+    region = json.loads(certificate.read_text())["regions"][0]
+    p = np.array([[float(Fraction(x)) for x in row] for row in region["p"]])
+    (a, b), (c,) = (
+        [float(x) for x in re.findall(r"[( ]\(?(-?\d\.\d+(?:e-\d+)?)\)? \* off", line)]
+        for line in re.findall(r"const double row.*", source)
+    )
+    factor = np.array([[a, b], [0.0, c]]) @ np.array([[1.0, 0.0], [1.0, 2.0]])
+    assert factor.T @ factor == pytest.approx(p, rel=1e-5)
 
 
 # ── the self-test ────────────────────────────────────────────────────────────────────

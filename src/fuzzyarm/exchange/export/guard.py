@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from operator import add, and_
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -131,7 +132,10 @@ class RegionGuard:
         yield f"  after a state that it refuses: {', '.join(sent)}, until init"
         first = " nor is the first one, in which a memory has no value" * bool(self.untested)
         yield f"  a period with a value that is not a number is not tested{first}"
-        yield f"  plant {certificate.claim.plant}, SHA-256 {certificate.digests['plant']}"
+        equations = certificate.digests["plant"]
+        yield f"  plant {certificate.claim.plant}, SHA-256 of its equations {equations}"
+        files = self.checked.files.items() - certificate.fingerprints.items()
+        yield from (f"  file {Path(path).name}, SHA-256 {digest}" for path, digest in files)
 
     # ── the program ──────────────────────────────────────────────────────────────────
 

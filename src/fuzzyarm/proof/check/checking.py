@@ -229,7 +229,7 @@ def check_certificate(
         reason = f"the certificate does not prove it: {error}"
         return replace(checked, reason=reason, seconds=time.monotonic() - begun)
     if certificate.window:
-        statement += f"; {coverage_words(certificate, proof.coverage)}"
+        statement += f"; {coverage_words(certificate, proof)}"
     return replace(
         checked, statement=statement, loop=proof.loop,
         files={**certificate.fingerprints, **plant_files(plant)},
@@ -389,8 +389,14 @@ def _loop_words(haven: Haven) -> str:
     return f"derived a loop of {loop.size} states at rest where {rest}{gains}"
 
 
-def coverage_words(certificate: Certificate, coverage: float) -> str:
+def coverage_words(certificate: Certificate, proof: CheckedProof) -> str:
     """Return the statement of a map about its window."""
+    coverage, named = proof.coverage, {name for name, _, _ in certificate.window}
+    others = ", ".join(
+        f"{name_text(name)} = {number_text(span.low)}"
+        for name, span in proof.problem.start.items()
+        if name not in named
+    )
     window = ", ".join(
         f"{name_text(name)} in {number_text(low)} .. {number_text(high)}"
         for name, low, high in certificate.window
@@ -399,7 +405,8 @@ def coverage_words(certificate: Certificate, coverage: float) -> str:
     boxes = f"{count} box{'es' * (count != 1)}"
     # Rounded down, except for a rounding; but 100 % is all of it.
     share = 100 if coverage == 1.0 else min(math.floor(coverage * 1000.0 + 1e-5) / 10.0, 99.9)
-    return f"from {share:g} % of {window} ({boxes}) every run comes to rest"
+    begun = f", the other states at {others}," * bool(others)
+    return f"from {share:g} % of {window} ({boxes}){begun} every run comes to rest"
 
 
 def _coverage(problem: LoopProblem, certificate: Certificate) -> float:
