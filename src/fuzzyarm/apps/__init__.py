@@ -1,5 +1,7 @@
 """User-facing programs and drawings. Nothing imports this room.
 
+Read ``cli/main.py`` first (a command is a record), then ``designer/__init__.py``.
+
 cli
     The command ``fuzzyarm``, a module for each command.
 designer, playground, lsp

@@ -1,4 +1,12 @@
-"""Inference: memberships, norms, defuzzifiers, the engines and the trace of one inference.
+"""Inference: the values of a rule base, exactly as its text defines them.
+
+Reading order: :mod:`.plan` (a model in order of evaluation), :mod:`.block` (the picture of the one
+array that a kernel reads), :mod:`.layout` and :mod:`.output_layout` (which fill it),
+:mod:`.firing_strengths` and :mod:`.kernel` (a point or a row of points), then a kernel for each
+family of defuzzifiers: :mod:`.closed_form` and :mod:`.centroid_kernel`, :mod:`.positions`,
+:mod:`.quadrature_kernel`, :mod:`.type_reduction_kernel`. :mod:`.stages` chains
+rule bases whose outputs are read by later rules, :mod:`.engine` and :mod:`.infer` are the calls,
+:mod:`.trace` explains one of them.
 
 Importing it imports no array library; evaluating scalars does not either.
 """

@@ -1,5 +1,10 @@
 """The language of ``.frb`` files: model, reading, canonical printing, checks.
 
+Reading order: :mod:`.model` (what a file means), :mod:`.tokens`, :mod:`.parts` and :mod:`.rows`
+(a statement as a row of parts), :mod:`.statements` and :mod:`.controllers` (all rows),
+:mod:`.document` (a file as a tree), :mod:`.meaning` (from tree to model), :mod:`.writer` (back
+to text), :mod:`.check` (checks of a sound file), :mod:`.edit` (the questions of an editor).
+
 Only the standard library is used here, so importing it is instant.
 """
 

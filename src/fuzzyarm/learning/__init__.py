@@ -2,6 +2,11 @@
 
 :func:`read_samples` reads a table of data, :func:`fit` makes a rule base of it,
 :func:`validate` judges any rule base by data; :func:`train` teaches a controller.
+
+Reading order: :mod:`.data`, :mod:`.wang_mendel` (rules by counting), :mod:`.starts`,
+:mod:`.sugeno` and :mod:`.structure` (models by least squares), :mod:`.fit` (the whole way),
+:mod:`.validation`; :mod:`.self_organizing` and :mod:`.training`; :mod:`.tuning`, which moves the
+numbers of a file by the costs of its runs.
 """
 
 from __future__ import annotations

@@ -1,5 +1,11 @@
 """Plants: the protocol, the two-link arm of the study with its trajectories, shipped plants.
 
+Reading order: :mod:`.plant` (ports, states, parameters, equations), :mod:`.library` (the shipped
+ones, written as users write theirs), :mod:`.own` (plants by name and from files),
+:mod:`.equations` and :mod:`.plain_python` (equations as machine code, or called as they are),
+:mod:`.actuators`, then the arm: :mod:`.arm`, :mod:`.driven_arm`, :mod:`.trajectory`,
+:mod:`.setting`. :mod:`.adapters` has plants of other packages.
+
 Angles are degrees in the notation of people (trajectories, errors) and radians inside; everything
 else is SI. The equations are in ``docs/explanation/arm.md`` and ``docs/reference/plants.md``.
 """

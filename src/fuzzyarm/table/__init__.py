@@ -1,5 +1,9 @@
 """Lookup tables: the table, the compiler that fills it, and its files.
 
+Reading order: :mod:`.axis` (levels along an input), :mod:`.table`, :mod:`.lookup` (values
+between levels), :mod:`.compiler` (the table of a rule base), :mod:`.fidelity` (its error,
+and the smallest table within a tolerance), :mod:`.text` and :mod:`.files` (its formats).
+
 Names load their modules on first use: reading the text of a table
 (:mod:`fuzzyarm.table.text`) does not load an array library.
 """
