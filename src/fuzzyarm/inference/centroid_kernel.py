@@ -1,7 +1,12 @@
 """Centroids of the aggregate by samples, and by the upper envelope of straight sets.
 
 Defuzzifiers of the kernel, which add up area and moment: one over samples of the aggregate, one
-exactly over its straight pieces. They work behind the work rows and on one point at a time, for
+exactly over its straight pieces. With samples xᵢ and weights wᵢ (the width that each covers
+in the rule of integration), and μ the union of the sets cut at their heights,
+
+    area = Σ wᵢ μ(xᵢ),  moment = Σ wᵢ μ(xᵢ) xᵢ,
+
+both in the order of the samples. They work on the heap after the work rows, one point at a time:
 the numbers of one point fit into the nearest cache.
 """
 
@@ -40,8 +45,8 @@ AT_ONCE = 4
 def sampled_centroid(block: Any) -> None:
     """Add up the samples of the aggregate, point by point.
 
-    Here a consequent has a sixth number: whether its degrees stand among zeros for all other
-    samples, it is clipped, and sets are united by the maximum. A few such sets are united in
+    Here a consequent has a sixth number: 1 where its degrees are padded with zeros to all samples,
+    it is clipped, and sets are united by the maximum. A few such sets are united in
     registers, one sample after the other. The aggregate is not stored then, which would have every
     set wait for the stores of the one before.
     """
@@ -56,6 +61,7 @@ def sampled_centroid(block: Any) -> None:
         count, first, last = _firing_sets(k, room, heap, point, numbers)
         if count <= AT_ONCE:
             height_0, height_1, height_2, height_3 = heap[0], heap[1], heap[2], heap[3]
+            # Unused slots have the height 0, so that four sets are united without a branch.
             set_0, set_1, set_2, set_3 = int(heap[4]), int(heap[5]), int(heap[6]), int(heap[7])
             area = torque = 0.0
             for i in range(first, last):
@@ -78,7 +84,9 @@ def _firing_sets(k: Any, room: Any, heap: Any, point: int, numbers: int) -> tupl
 
     Where there are more than `AT_ONCE`, or one that is not united in registers, they are one more.
     """
-    for i in range(AT_ONCE):  # the height 0, and the degrees of any other array
+    # Heights first, then the index in f at which degrees of sample 0 would be. A slot without a
+    # set has the height 0; its degrees are any numbers that may be read.
+    for i in range(AT_ONCE):
         heap[i], heap[AT_ONCE + i] = 0.0, float(numbers)
     width = k[WIDTH]
     count = 0
@@ -166,8 +174,8 @@ def envelop(k: Any, f: Any, room: Any, point: int, side: int, heap: Any, into: i
     """Write down the upper envelope of the cut sets of one side; return where it ends.
 
     A consequent is: its pieces (how many, and where they are in f), whether its implication is
-    the product rather than the minimum, and its side. In the heap stand the lines, behind them
-    where they begin or end, and from `into` on the pieces of envelopes.
+    the product rather than the minimum, and its side. The heap has the lines first, then their
+    ends (events of the sweep), and from `into` on the pieces of the envelope.
     """
     width = k[WIDTH]
     events = 0

@@ -134,6 +134,8 @@ def advance(
     if len(late) == 0:
         ask_plant(ADVANCE, links, x, y, u, p, clock)
         return
+    # The period is cut at the rests of the dead times in increasing order (TURN is sorted by them);
+    # in each part the drives are constant, as the plant's integrator assumes.
     whole, parts, begin = clock[STEP], clock[PARTS], clock[TIME]
     done = 0.0
     for turn in range(len(u) + 1):
@@ -142,8 +144,9 @@ def advance(
         if turn < len(u):
             i = int(late[ACTUATOR * turn + TURN])
             end = late[ACTUATOR * i + PART]
-        if end > done:
+        if end > done:  # of equal rests the first has advanced already
             clock[TIME], clock[STEP] = begin + done, end - done
+            # Integration steps as long as in a whole period at most; 1e-9 absorbs the rounding.
             clock[PARTS] = max(math.ceil(parts * (end - done) / whole - 1e-9), 1.0)
             ask_plant(ADVANCE, links, x, y, u, p, clock)
             done = end
