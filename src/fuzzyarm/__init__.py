@@ -71,8 +71,7 @@ Rooms, each with public names of its own; every one imports only those before it
     language            The language of .frb files: model, reading, canonical printing,
                         checks.
     requests            Requests: one frozen record for each job, field by field.
-    inference           Inference: memberships, norms, defuzzifiers, the engines and the trace
-                        of one inference.
+    inference           Inference: the values of a rule base, exactly as its text defines them.
     table               Lookup tables: the table, the compiler that fills it, and its files.
     plant               Plants: the protocol, the two-link arm of the study with its
                         trajectories, shipped plants.

@@ -1,9 +1,9 @@
 """Read and write tables as files; the suffix selects the format.
 
 To add a format: ``write_<suffix>(PlainTable) -> str`` and ``parse_<suffix>(text, path) ->
-ParsedTable``, which never raises and reports findings at their places, and a line in `parse_table`
-and `table_as`. ``tests/table/test_table_files.py`` sends every suffix through the same round
-trips.
+ParsedTable``, which never raises and reports findings at their places; a record in `_TEXTS`; the
+suffix in ``TABLES`` of :mod:`fuzzyarm.base.folders`. ``tests/table/test_table_files.py`` sends
+every suffix through the same round trips.
 """
 
 from __future__ import annotations

@@ -10,8 +10,8 @@ A hand's change is an edit of the text by a pure function of :mod:`fuzzyarm.lang
 question of the page is a record in ``requests.py`` and a line in ``_QUESTIONS`` of ``shared.py``;
 a handler gets sound data and raises a ``FuzzyarmError`` for what does not fit the text. Answers
 are typed in ``messages.py``; ``make types`` prints both for the page. Long work is a function of
-the session, a request and a ``Job``, named in ``WORKS`` of ``requests.py`` and ``open_files.py``.
-A form is a ``Form`` of ``forms.py``: the names of request fields.
+the session, a request and a ``WindowJob``, named in ``WORKS`` of ``requests.py`` and
+``open_files.py``. A form is a ``Form`` of ``forms.py``: the names of request fields.
 
 In ``page/`` a pane is a class made of the store and of a hand's actions, named in ``DESIGN`` of
 ``frame.js``; a view is an entry in ``VIEWS`` of ``app.js``; words are in ``strings.js``;

@@ -8,8 +8,8 @@ One of every control period, which samples cannot give, needs before that
 
 1. a row of sums in ``note_errors`` of :mod:`fuzzyarm.control.loop.loop`: its number beside `HELD`,
    one more in `ERRORS`, its statement in the kernel; then ``make native``;
-2. its value from the sums in ``EVERY_PERIOD`` of :mod:`fuzzyarm.control.loop.program`, under the
-   name of the metric.
+2. its value in ``EVERY_PERIOD`` of :mod:`fuzzyarm.control.loop.program`, under the name of the
+   metric: ``record.errors(ROW)`` is the row, ``shown_means`` the root of its mean.
 
 The value in ``METRIC_KINDS`` is then ``_counted("NAME")``.
 """

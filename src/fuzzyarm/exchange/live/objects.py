@@ -6,7 +6,7 @@ To add a library: a module with ``from_<library>(object, name)``, which uses att
 imports nothing of the library, and a function that evaluates the object itself; its `Library`
 here; its classes in :mod:`.gather`, which runs a script in a process of its own.
 :mod:`fuzzyarm.exchange.formats.recovery` finds shapes from samples. Add a line to
-``tests/formats/test_live_objects.py`` and a page ``docs/from-<library>.md``.
+``tests/formats/test_live_objects.py`` and a page ``docs/howto/from-<library>.md``.
 """
 
 from __future__ import annotations

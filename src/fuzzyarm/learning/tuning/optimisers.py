@@ -4,7 +4,8 @@ Each calls `ask` for the costs of points, one or many at a time, until `ask` rai
 a seed the sequence of points is the same for any number of workers; so an interrupted search is
 resumed by answering its first calls from the journal.
 
-To add an optimiser, write such a function and its record here. Parameters that move together are
+To add an optimiser, write such a function, its record here, and its name among the choices of
+`method` in :class:`fuzzyarm.requests.TuneRequest`. Parameters that move together are
 those of :mod:`.movement`; all are shares between 0 and 1 (:mod:`.design`).
 """
 
