@@ -93,6 +93,9 @@ STRUCTURES = {
     "hybrid": "cdid cdid+fuzzy --payload",
     "feed-forward": f"{SERVO} {OWN}/feed-forward.frb --plant motor --reference position=sine:1,1",
     "model-reference": f"{SERVO} {OWN}/model-reference.frb --plant motor --step 1 --set J=0.03",
+    "smith": f"{OWN}/linear-heater.frb {OWN}/smith-heater.frb --plant room --step 21"
+    " --actuator-delay power=10min",
+    "cascade": f"{OWN}/cascade-servo.frb --plant motor --step 1 --disturb voltage=step:-2,1",
 }
 """What ``fuzzyarm simulate`` is asked for the figure of each structure."""
 

@@ -39,7 +39,8 @@ def example(word):
         return f"y = {word} R(e)"
     ends = {name: k for name, k in kind.options.items() if k.needed or k.takes == "range"}
     needed = "".join(f", {name} {k.example}" for name, k in ends.items())
-    return f"y = {word}{kind.joined} {'e' if kind.of == 'signal' else 'position'}{needed}"
+    port = "voltage" if word == "driven" else "position"
+    return f"y = {word}{kind.joined} {'e' if kind.of == 'signal' else port}{needed}"
 
 
 def controller(*lines, head=()):

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
@@ -311,7 +311,7 @@ class Word(str):
 
     span: Span
 
-    def __new__(cls, text: str, span: Span = NOWHERE) -> Word:
+    def __new__(cls, text: str, span: Span = NOWHERE) -> Self:
         """Return a name with its position."""
         word = super().__new__(cls, text)
         word.span = span

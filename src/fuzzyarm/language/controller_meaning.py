@@ -95,7 +95,7 @@ class _Scope:
             rulebases,
             self._claims(),
         )
-        self._judge_whole(heading, axes)
+        self._judge_whole(heading, model)
         if complete:
             self.scope.diagnostics += doubts_of_lines(model)
         return model, self.scope.diagnostics
@@ -138,15 +138,15 @@ class _Scope:
         node = next((node for node in self.nodes if isinstance(node, SetPointNode)), None)
         if node is None:
             return 1
-        value = float(node.every)
-        if value != int(value) or not 1 <= value <= MAX_EVERY:
-            self.scope.report(
-                "bad-set-point",
-                f"a set point must last a whole number of periods, not {number_text(node.every)}",
-                node.every.span,
-            )
-            return 1
-        return int(value)
+        return self._whole(node.every, "a set point must last")
+
+    def _whole(self, every: float, what: str) -> int:
+        """Return a number of periods; 1 after a report."""
+        if float(every).is_integer() and 1 <= every <= MAX_EVERY:
+            return int(every)
+        message = f"{what} a whole number of periods, not {number_text(every)}"
+        self.scope.report("bad-set-point", message, span_of(every))
+        return 1
 
     def _claims(self) -> tuple[LoopClaim, ...]:
         claims = []
@@ -217,7 +217,9 @@ class _Scope:
 
         def close() -> None:
             if current is not None:
-                axes_read.append(replace(current, lines=tuple(lines)))
+                every = self._whole(current.every, "from one run of an axis to the next it must be")
+                axes_read.append(replace(current, lines=tuple(lines), every=every))
+                self._judge_axis(axes_read[-1])
 
         for node in self.nodes:
             if isinstance(node, Axes):
@@ -225,7 +227,7 @@ class _Scope:
                 self._report_above_axes([] if current else lines)
                 current, lines = node, []
             elif isinstance(node, SignalLine):
-                self._judge_signal(node)
+                self._judge_signal(node, 1 if current is None else current.every)
                 lines.append(node)
             elif isinstance(node, Zoom):
                 self._judge_zoom(node)
@@ -237,6 +239,21 @@ class _Scope:
         close()
         return axes_read
 
+    def _judge_axis(self, axes: Axes) -> None:
+        """Report sources that need a drive or a rate that the axis does not have."""
+        drives = axes.ports("drive")
+        for line in axes.lines:
+            source = line.source if isinstance(line, SignalLine) else None
+            if source is None:
+                continue
+            if source.kind == "driven" and source.name not in drives and "drive" not in self.broken:
+                what, span = "drive of this axis", span_of(source.name)
+                self.scope.unknown("unknown-signal", what, source.name, span, drives)
+            if axes.every > 1 and source.option("cleared"):
+                message = f"a sum of an axis that runs every {axes.every} periods is not cleared"
+                hint = "leave 'cleared each set-point' out, or move the sum to a faster axis"
+                self.scope.report("bad-set-point", message, line.span, hint=hint)
+
     def _report_above_axes(self, lines: Sequence[Line]) -> None:
         for line in lines:
             self.scope.report(
@@ -246,14 +263,14 @@ class _Scope:
                 hint="move it below the line  axis NAME",
             )
 
-    def _judge_signal(self, node: SignalLine) -> None:
+    def _judge_signal(self, node: SignalLine, every: float) -> None:
         self._judge_sum(node.products)
         source = node.source
         if source is not None:
             for word, value in source.options:
                 self._judge_option(word, value)
             self._judge_repeated(source.options)
-            self._judge_source(source, node.span)
+            self._judge_source(source, node.span, every)
         if len(node.names) > 1 and (source is None or source.kind != "rules"):
             self.scope.report(
                 "several-signals",
@@ -296,7 +313,7 @@ class _Scope:
                 self.scope.report("duplicate-setting", f"'{word}' is set twice", span_of(word))
             names.add(word)
 
-    def _judge_source(self, source: Source, span: Span) -> None:
+    def _judge_source(self, source: Source, span: Span, every: float) -> None:
         """Report missing options of a source, and invalid numbers."""
         options = dict(source.options)
         for word, option in source.record.options.items():
@@ -309,7 +326,7 @@ class _Scope:
                 )
             value = options.get(word)
             if option.periods and isinstance(value, Time):
-                self._judge_periods(source, word, value)
+                self._judge_periods(source, word, value, every)
             if not option.positive or not isinstance(value, Figure | Word):
                 continue
             for number in self._numbers_of(value):
@@ -317,9 +334,10 @@ class _Scope:
                     message = f"the {word} of {source.kind} must be above 0, not {number:g}"
                     self.scope.report("bad-number", message, value.span)
 
-    def _judge_periods(self, source: Source, word: str, time: Time) -> None:
+    def _judge_periods(self, source: Source, word: str, time: Time, every: float) -> None:
         """Report a time that is not a whole number of control periods, or too long."""
-        period = next((node.time for node in self.nodes if isinstance(node, PeriodNode)), 0.0)
+        node = next((node for node in self.nodes if isinstance(node, PeriodNode)), None)
+        period = every * node.time if node is not None else 0.0
         if not period > 0.0:
             return
         count = whole_periods(time, period)
@@ -399,8 +417,8 @@ class _Scope:
                     hint="one file for all axes, or one for each",
                 )
 
-    def _judge_whole(self, heading: ControllerHeading, axes: Sequence[Axes]) -> None:
-        if not axes:
+    def _judge_whole(self, heading: ControllerHeading, model: ControllerModel) -> None:
+        if not model.axes:
             if "axis" not in self.broken:
                 self.scope.report(
                     "no-axes",
@@ -409,9 +427,9 @@ class _Scope:
                     hint="add a line like  axis joint1, joint2  and signals below it",
                 )
             return
-        for axis in axes:
-            has_drive = any(isinstance(line, Drive) for line in axis.lines)
-            if not has_drive and "drive" not in self.broken:
+        for axis in model.axes:
+            serves = axis.ports("drive") or any(map(model.seen_elsewhere, axis.names))
+            if not serves and "drive" not in self.broken:
                 self.scope.report(
                     "no-drives",
                     f"axis {', '.join(axis.names)} drives nothing",

@@ -55,7 +55,9 @@ class ControllerNames:
         self.axes: Names = {}
         self.signals: Names = {}  # of the axes at hand
         self.later: Names = {}  # signals that are made further below
+        self.above: dict[str, Names] = {}  # signals of the axes above
         self.read: set[tuple[str, str]] = set()
+        self.read_elsewhere: set[tuple[str, str]] = set()  # of axes and signals
         nodes = [statement.node for statement in statements]
         if sheet is not None:
             heading = next(node for node in nodes if isinstance(node, ControllerHeading))
@@ -68,19 +70,30 @@ class ControllerNames:
             names = self.numbers if isinstance(node, GainModel | Partner) else self.sheets
             for name in mentions(node) if isinstance(node, GainModel | Partner | Use) else ():
                 self._declare(name, names)
-        in_axes = False
+        over: list[tuple[list[str], Names]] = []  # axes, and what nothing in them reads
+        axes: list[str] = []
+
+        def close() -> None:
+            unread = {name: span for name, span in self.signals.items()
+                      if ("signal", name) not in self.read}  # fmt: skip
+            over.append((axes, unread))
+            self.above |= dict.fromkeys(axes, self.signals)
+            self.read = {(sort, name) for sort, name in self.read if sort != "signal"}
+
         for index, (node, _, in_hole) in enumerate(statements):
             if isinstance(node, Axes):
-                if in_axes:
-                    self._judge_unused("signal", self.signals, "unused-signal")
-                in_axes, self.signals, self.later = True, {}, _signals_behind(nodes[index + 1 :])
-                self.read = {(sort, name) for sort, name in self.read if sort != "signal"}
+                close()
+                self.signals, self.later = {}, _signals_behind(nodes[index + 1 :])
+                axes = list(node.names)
                 for name in mentions(node):
                     self._declare(name, self.axes)
             elif isinstance(node, Line | Broken):
                 self._judge_line(node, in_hole)
-        if in_axes:
-            self._judge_unused("signal", self.signals, "unused-signal")
+        close()
+        for axes, unread in over[1:]:
+            elsewhere = {name for axis, name in self.read_elsewhere if axis in axes}
+            unused = {name: span for name, span in unread.items() if name not in elsewhere}
+            self._judge_unused("signal", unused, "unused-signal")
         self._judge_unused(_NUMBERS, self.numbers, "unused-name")
         self._judge_unused(_SHEETS, self.sheets, "unused-name")
 
@@ -94,7 +107,9 @@ class ControllerNames:
             if name.kind in (NameKind.SIGNAL, NameKind.USE)
         ]
         for name in names:
-            if not name.is_definition:
+            if name.owners:
+                self._need_of(name.owners[0], name)
+            elif not name.is_definition:
                 self._need(name)
         for name in names:
             if name.is_definition and name.kind is NameKind.SIGNAL:
@@ -144,6 +159,22 @@ class ControllerNames:
             new = f"a number is  gain {quoted} = 1 , a value of the plant  measured {quoted}"
             known = [*self.signals, *self.numbers]
             self.scope.unknown("unknown-signal", "signal or gain", word, name.span, known, new)
+
+    def _need_of(self, axis: str, name: Occurrence) -> None:
+        """Demand a signal of an axis further up."""
+        word = name.name
+        self.read_elsewhere.add((axis, word))
+        if axis in self.above:
+            if word not in self.above[axis]:
+                what, known = f"signal of the axis '{axis}'", self.above[axis]
+                self.scope.unknown("unknown-signal", what, word, name.span, known)
+        elif axis in self.axes:
+            message = f"the axis '{axis}' is not above this line"
+            hint = "a signal of the axis at hand is written without its axis"
+            self.scope.report("signal-before-made", message, name.span, hint=hint)
+        else:
+            new = f"outputs of rules are  {name_text(word)} = rules NAME(e, ce)"
+            self.scope.unknown("unknown-signal", "axis above", axis, name.span, self.above, new)
 
     def _is_turned(self, node: Drive) -> bool:
         """Report a drive that names its signal before its port."""

@@ -63,7 +63,7 @@ from fuzzyarm.language.signals import (
     names_in_sum,
     number_or_name,
     of_gain,
-    of_signal,
+    of_signals,
     options_text,
     read_amount,
     read_body,
@@ -163,6 +163,11 @@ def _read_gains_of_law(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
     while cursor.accept(","):
         gains.append(_read_gain_of_law(cursor))
     return tuple(gains)
+
+
+def _read_every(cursor: Cursor) -> float:
+    """Read ``every N``, or 1."""
+    return cursor.figure("a number of control periods") if cursor.accept("every") else 1
 
 
 def _read_unit(cursor: Cursor) -> Word:
@@ -302,6 +307,14 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     Name("names", "the name of an axis", declares(NameKind.AXIS)),
                     label="NAME, NAME",
                 ),
+                Phrase(
+                    "every",
+                    _read_every,
+                    "[every N]",
+                    lambda every: f"every {number_text(every)}" if every != 1 else "",
+                    empty=1,
+                    words={"every": "the control periods from one run of an axis to the next"},
+                ),
             ),
             outline="axis",
         ),
@@ -332,7 +345,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     read_signals,
                     "SIGNAL, SIGNAL",
                     lambda signals: ", ".join(map(name_text, signals)),
-                    lambda signals: map(of_signal, signals),
+                    of_signals,
                 ),
                 FixedText("by", "after the signals"),
                 _amount("by", "how much they are magnified", "FACTOR"),
@@ -361,7 +374,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     read_inputs,
                     "(SIGNAL, SIGNAL)",
                     inputs_text,
-                    lambda inputs: map(of_signal, inputs),
+                    of_signals,
                     tight="before",
                 ),
                 Phrase(

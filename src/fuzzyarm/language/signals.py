@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, span_of
 from fuzzyarm.base.numbers import TIMES, number_text
-from fuzzyarm.language.model.controller import Amount, Factor, Product, Source, Time
+from fuzzyarm.language.model.controller import Amount, Factor, Product, Seen, Source, Time
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.symbolic.sources import CHOICE, SOURCES, Chosen, Condition, OptionKind, Setting
@@ -22,9 +22,14 @@ Body = tuple[Source | None, tuple[Product, ...]]
 """The definition of a signal, after ``=``."""
 
 
-def of_signal(word: str) -> Occurrence:
-    """Return the mention of a signal, a gain or a partner."""
-    return Occurrence(NameKind.SIGNAL, word, span_of(word))
+def of_signals(words: Iterable[str]) -> Iterator[Occurrence]:
+    """Yield the mentions of signals, gains or partners."""
+    for word in words:
+        if isinstance(word, Seen):
+            yield Occurrence(NameKind.AXIS, word.axis, word.axis.span)
+            yield Occurrence(NameKind.SIGNAL, word.signal, word.signal.span, (word.axis,))
+        else:
+            yield Occurrence(NameKind.SIGNAL, word, span_of(word))
 
 
 def of_gain(word: str) -> Occurrence:
@@ -130,12 +135,28 @@ def amount_text(amount: Amount) -> str:
 def read_number(cursor: Cursor, what: str) -> Figure | Word:
     """Read a number, or the name of a gain."""
     cursor.suggest("signals")
-    return cursor.figure(what) if cursor.at_figure else cursor.name(f"{what}, or a gain")
+    return cursor.figure(what) if cursor.at_figure else _read_seen(cursor, f"{what}, or a gain")
 
 
 def number_or_name(value: str | float) -> str:
     """Return the text of a number, or a name."""
-    return name_text(value) if isinstance(value, str) else number_text(value)
+    return signal_text(value) if isinstance(value, str) else number_text(value)
+
+
+def _read_seen(cursor: Cursor, what: str) -> Word:
+    """Read the name of a signal, of another axis after ``AXIS.``."""
+    word = cursor.name(what)
+    if not cursor.accept("."):
+        return word
+    name = cursor.name(f"a signal of the axis '{word}'")
+    return Seen.of(word, name)
+
+
+def signal_text(name: str) -> str:
+    """Return the name of a signal as it is written."""
+    if isinstance(name, Seen):
+        return f"{name_text(name.axis)}.{name_text(name.signal)}"
+    return name_text(name)
 
 
 # --- Sums ---
@@ -151,7 +172,7 @@ def _read_factor(cursor: Cursor, divides: bool = False) -> Factor:
     if cursor.next_is("partner") and not cursor.next_is("*", 1):
         cursor.take()
         return Factor(cursor.name("the name of a partner"), divides, partner=True)
-    return Factor(cursor.name("a signal, a gain or a number"), divides)
+    return Factor(_read_seen(cursor, "a signal, a gain or a number"), divides)
 
 
 def _factor_text(factor: Factor) -> str:
@@ -199,10 +220,8 @@ def _factors_text(factors: Iterable[Factor]) -> str:
 
 def names_in_sum(products: tuple[Product, ...]) -> Iterator[Occurrence]:
     """Yield the signals, gains and partners in a sum."""
-    for product in products:
-        for factor in product.factors:
-            if isinstance(factor.value, str):
-                yield of_signal(factor.value)
+    factors = (factor.value for product in products for factor in product.factors)
+    yield from of_signals(value for value in factors if isinstance(value, str))
 
 
 # --- Inputs of a call, options ---
@@ -218,7 +237,7 @@ def read_inputs(cursor: Cursor) -> tuple[Word, ...]:
 
 def inputs_text(inputs: tuple[str, ...]) -> str:
     """Return the inputs of a call as they are written."""
-    return f"({', '.join(map(name_text, inputs))})"
+    return f"({', '.join(map(signal_text, inputs))})"
 
 
 def read_signals(cursor: Cursor) -> tuple[Word, ...]:
@@ -226,7 +245,7 @@ def read_signals(cursor: Cursor) -> tuple[Word, ...]:
     signals: list[Word] = []
     while not signals or cursor.accept(","):
         cursor.suggest("signals")
-        signals.append(cursor.name("a signal"))
+        signals.append(_read_seen(cursor, "a signal"))
     return tuple(signals)
 
 
@@ -301,7 +320,7 @@ def names_in_options(
     """Yield the gains in options."""
     for word, value in options:
         if isinstance(value, Chosen):
-            yield from map(of_signal, value.names())
+            yield from of_signals(value.names())
         elif isinstance(value, str) and kinds[word].takes != "windup":
             yield of_gain(value)
 
@@ -418,8 +437,11 @@ def _read_source(cursor: Cursor) -> Source | None:
     for word in SOURCES[kind].joined.split():
         cursor.expect(word, f"after {phrase}")
         phrase += f" {word}" if word == "of" else ""
-    cursor.suggest("signals" if of == "signal" else "ports")
-    return Source(kind, cursor.name("a signal" if of == "signal" else "a port of the plant"))
+    if of == "signal":
+        cursor.suggest("signals")
+        return Source(kind, _read_seen(cursor, "a signal"))
+    cursor.suggest("ports")
+    return Source(kind, cursor.name("a port of the plant"))
 
 
 def choice_text(source: Source) -> str:
@@ -427,7 +449,7 @@ def choice_text(source: Source) -> str:
     (_, other), *_ = source.options
     assert isinstance(other, Chosen)
     condition = condition_text(other.condition)
-    return f"{name_text(source.name)} where {condition} else {number_or_name(other.value)}"
+    return f"{signal_text(source.name)} where {condition} else {number_or_name(other.value)}"
 
 
 def source_text(body: Body) -> str:
@@ -439,7 +461,7 @@ def source_text(body: Body) -> str:
         return choice_text(source)
     (product,) = products
     inputs = inputs_text(source.inputs) if source.record.of == "call" else ""
-    text = f"{source.kind}{source.record.joined} {name_text(source.name)}{inputs}"
+    text = f"{source.kind}{source.record.joined} {signal_text(source.name)}{inputs}"
     options = options_text(source.options, source.record.options)
     return text + _factors_text(product.factors) + options
 
@@ -449,9 +471,12 @@ def names_in_source(body: Body) -> Iterator[Occurrence]:
     source, products = body
     if source is not None:
         of = source.record.of
-        kind = {"call": NameKind.USE, "signal": NameKind.SIGNAL}.get(of, NameKind.PORT)
-        yield Occurrence(kind, source.name, span_of(source.name))
-        yield from map(of_signal, source.inputs)
+        if of == "signal":
+            yield from of_signals((source.name,))
+        else:
+            kind = NameKind.USE if of == "call" else NameKind.PORT
+            yield Occurrence(kind, source.name, span_of(source.name))
+        yield from of_signals(source.inputs)
     yield from names_in_sum(products)
     if source is not None:
         yield from names_in_options(source.options, source.record.options)

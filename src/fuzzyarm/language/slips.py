@@ -182,8 +182,7 @@ EXAMPLES = {
     "a sum has no parentheses: write  x = e + ce  above, and x here": (
         "  x = (e + 2) * 2", "  x = 2 * (e + 2)"),
     "the inputs of a rule base are signals in its order, as in  u = rules NAME(e, ce)": (
-        "  x = rules f(e=e)", "  x = rules f(e * 2)", "  x = rules f * 2", "  x = evalfis(f, e)",
-        "  x = f.u"),
+        "  x = rules f(e=e)", "  x = rules f(e * 2)", "  x = rules f * 2", "  x = evalfis(f, e)"),
     "a controller has a name: write  controller NAME": ('controller "x"',),
     "a controller has no functions: write limits after a drive, as in  drive PORT = u, within "
     "-1 .. 1 , and a curve of one signal as a rule base,  y = rules NAME(x)": (

@@ -244,7 +244,7 @@ class SourceKind(Kind):
     options : dict of str to OptionKind
         Options by the word after the comma.
     ports : tuple of str
-        Values of the port that it reads: ``reference``, ``measured`` or both.
+        Values of the port that it reads: ``reference``, ``measured`` or both; or ``driven``.
     states : tuple of SourceState
         Its states. Without an update its value is the operand's.
     rounded : bool
@@ -630,6 +630,13 @@ def _register() -> None:
         ports=("measured",),
         doc="measured value of a port",
         elsewhere="measurement measure actual feedback meas sensor",
+    )
+    kind(
+        "driven",
+        of="port",
+        ports=("driven",),
+        doc="value last sent to a port by this axis",
+        elsewhere="sent output_before last_output",
     )
     low_pass = OptionKind("time", "time constant of a first-order low-pass after it")
     kind(

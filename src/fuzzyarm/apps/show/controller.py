@@ -83,7 +83,8 @@ def _heading(model: ControllerModel) -> RenderableType:
 
 
 def _axis_words(axes: Axes) -> str:
-    return f"axis {', '.join(map(name_text, axes.names))}"
+    every = f" every {axes.every}" if axes.every > 1 else ""
+    return f"axis {', '.join(map(name_text, axes.names))}{every}"
 
 
 def _sheets(controller: ControllerText) -> Iterator[tuple[str, Sheet]]:
@@ -314,12 +315,4 @@ def _joined(signs: Sequence[str], width: int, *, out: bool) -> str:
 
 
 def _reads(line: Line) -> Iterator[str]:
-    if isinstance(line, SignalLine):
-        yield from line.reads()
-    elif isinstance(line, Zoom):
-        yield from line.signals
-    elif isinstance(line, Learn):
-        yield from line.inputs
-    else:
-        for product in line.products:
-            yield from (factor.value for factor in product.factors if isinstance(factor.value, str))
+    yield from line.reads()

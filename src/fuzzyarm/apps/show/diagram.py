@@ -24,6 +24,7 @@ from fuzzyarm.language.model.controller import (
     GainModel,
     Learn,
     Product,
+    Seen,
     SignalLine,
     Source,
     Zoom,
@@ -292,6 +293,10 @@ class _DiagramPart:
             else:
                 self._drive(line)
         self._ports_of_drives()
+        for axis in axes.names:
+            for name in model.seen_elsewhere(axis):
+                self._block("drive", f"{axis}.{name}", sources=[(self.signals[name], "")],
+                            outputs=())  # fmt: skip
 
     # Blocks
 
@@ -316,7 +321,8 @@ class _DiagramPart:
 
     def _port(self, kind: str, port: str, span: Span) -> Pin:
         if (kind, port) not in self.shared:
-            self.shared[kind, port] = (self._block("port", f"{kind} {port}", span=span), 0, "")
+            label = f"{kind} {port}".lstrip()
+            self.shared[kind, port] = (self._block("port", label, span=span), 0, "")
         return self.shared[kind, port]
 
     def _error(self, port: str, weight: object, span: Span) -> Pin:
@@ -393,6 +399,8 @@ class _DiagramPart:
         """Return a signal; in a text with mistakes, perhaps one without a source."""
         if name in self.signals:
             return self.signals[name]
+        if isinstance(name, Seen):
+            return self._port("", name, name.span)
         if name in self.partners:
             partner = self.partners[name]
             index = self._block("partner", partner.law, [f"partner {name}"], span=partner.span)

@@ -219,16 +219,13 @@ def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Li
 
 def _needed_by(line: Line) -> Iterator[str]:
     """Yield the names that a line needs: signals, gains, rule bases and tables."""
-    if isinstance(line, SignalLine | Drive):
-        yield from line.reads()
+    yield from line.reads()
     if isinstance(line, SignalLine) and line.source is not None:
         if line.source.record.of == "call":
             yield line.source.name
         yield from line.source.gains()
-    elif isinstance(line, Zoom):
-        yield from (*line.signals, *(x for x in (line.by, line.inside) if isinstance(x, str)))
     elif isinstance(line, Learn):
-        yield from (line.table, line.judge, *line.inputs)
+        yield from (line.table, line.judge)
         yield from (x for x in (line.rate, line.bound) if isinstance(x, str))
 
 
@@ -509,7 +506,7 @@ def _missing_ports(
 def _axes_on(site: Site, model: ControllerModel) -> set[str]:
     """Return the axes that a controller may have on a plant."""
     axes = site.interface.axes
-    one = len(axes) == 1 and model.has_one_axis
+    one = len(axes) == 1 and (model.has_one_axis or model.is_cascade)
     return {*axes, *(model.axis_names if one else ())}
 
 

@@ -246,6 +246,7 @@ class ReferenceRun:
 
     def step(self, given: Mapping[PortValue, float]) -> dict[tuple[str, str], float]:
         """Run one period; return the drives by axis and port."""
+        number = self.floats.periods
         self.floats.periods += 1
-        drives, self.memory = self.period.run(given, self.memory)
+        drives, self.memory = self.period.run(given, self.memory, number=number)
         return drives

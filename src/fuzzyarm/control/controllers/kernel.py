@@ -106,13 +106,15 @@ BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
-# The list of guards: the addresses of `step_guarded` and `settle`, how many cells any axis reads
-# and how many drives there are, these cells, of each drive its cell and that of its last value, and
-# for each axis a guard: where its instructions begin and end, the cell that counts the skipped
-# periods, how many cells it reads and how many drives it has, the cells that it reads, and of each
-# drive its cell and that of its value in a skipped period. After the last guard comes a 0.
-WITH_GUARDS, SETTLE, COUNT_ALL, COUNT_DRIVES, ALL_READ = range(5)
-GUARD_BEGIN, GUARD_END, SKIPPED, COUNT_READ, COUNT_SENT, GUARDED = range(6)
+# The list of guards: the addresses of `step_guarded` and `settle`, whether axes have rates of their
+# own or read signals of each other, how many cells any axis reads and how many drives there are,
+# these cells, of each drive its cell and that of its last value, and for each axis a guard: where
+# its instructions begin and end, the cell that counts the skipped periods, the periods from one run
+# to the next and the cell that counts them, how many cells it reads and how many drives it has, the
+# cells that it reads, and of each drive its cell and that of its value in a skipped period. After
+# the last guard comes a 0.
+WITH_GUARDS, SETTLE, ONE_BY_ONE, COUNT_ALL, COUNT_DRIVES, ALL_READ = range(6)
+GUARD_BEGIN, GUARD_END, SKIPPED, EVERY, TURN, COUNT_READ, COUNT_SENT, GUARDED = range(8)
 
 
 @kernel
@@ -152,7 +154,8 @@ def step_read(k: Any, s: Any, total: float) -> None:
     for i in range(drives, drives + 2 * k[guards + COUNT_DRIVES], 2):
         s[k[i + 1]] = s[k[i]]
     # By address: a rare way, compiled into every loop, would slow the other one down.
-    if total - total != 0.0:  # a value that is not a number, or infinities: the guards will see
+    # A value that is not a number, or infinities, or a cascade: the guards will see.
+    if total - total != 0.0 or k[guards + ONE_BY_ONE] != 0:
         call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
         return
     total = run(k, s, 1, guards)
@@ -162,20 +165,32 @@ def step_read(k: Any, s: Any, total: float) -> None:
 
 @kernel
 def step_guarded(k: Any, s: Any) -> None:
-    """Run the axes without NaN inputs."""
+    """Run the axes without NaN inputs, each in its turn."""
     at = 1
     end = 1 + INSTRUCTION * k[0]
     guard = end + ALL_READ + k[end + COUNT_ALL] + 2 * k[end + COUNT_DRIVES]
     while k[guard + GUARD_BEGIN] > 0:
         run(k, s, at, k[guard + GUARD_BEGIN])
         at = k[guard + GUARD_END]
-        if lacks_number(k, s, guard + GUARDED, k[guard + COUNT_READ]):
-            skip(k, s, guard)
-        else:
-            run(k, s, k[guard + GUARD_BEGIN], at)
-            settle_one(k, s, guard)
+        # Out of its turn, all that an axis has defined and driven stays.
+        if k[guard + EVERY] <= 1 or comes_round(k, s, guard):
+            if lacks_number(k, s, guard + GUARDED, k[guard + COUNT_READ]):
+                skip(k, s, guard)
+            else:
+                run(k, s, k[guard + GUARD_BEGIN], at)
+                settle_one(k, s, guard)
         guard += GUARDED + k[guard + COUNT_READ] + 2 * k[guard + COUNT_SENT]
     run(k, s, at, end)
+
+
+@kernel
+def comes_round(k: Any, s: Any, guard: int) -> bool:
+    """Whether a slow axis runs in this period; counts it."""
+    turn = k[guard + TURN]
+    following = s[turn] + 1.0
+    now: bool = s[turn] == 0.0
+    s[turn] = following if following < k[guard + EVERY] else 0.0
+    return now
 
 
 @kernel

@@ -120,8 +120,8 @@ class Site:
     def find(self, model: ControllerModel, kind: str, address: Address) -> Address:
         """Return axis and port of the plant for those of a controller.
 
-        A single axis on both sides matches under any name; an axis may be connected as a whole, to
-        run on one of several.
+        A single axis on both sides matches under any name, and so do the axes of a cascade; an axis
+        may be connected as a whole, to run on one of several.
         """
         ports = self._ports(kind)
         axis, named = found = self._joined(model, address)
@@ -154,7 +154,7 @@ class Site:
         named = self.connect.get(".".join(address), self.connect.get(port, port))
         if "." in named:
             axis, _, named = named.rpartition(".")
-        elif len(self.interface.axes) == 1 and model.has_one_axis:
+        elif len(self.interface.axes) == 1 and (model.has_one_axis or model.is_cascade):
             axis = self.interface.axes[0]
         return axis, named
 

@@ -34,6 +34,7 @@ from fuzzyarm.language.model.controller import (
     Learn,
     Line,
     Product,
+    Seen,
     SignalLine,
     Source,
     Zoom,
@@ -64,7 +65,8 @@ class Remembered(NamedTuple):
     axis, of : str
         The axis, and the signal or the port of a drive that it belongs to.
     what : str
-        The state of the source; ``slew``, ``excess`` of a drive; ``held`` of a rule base.
+        The state of the source; ``slew``, ``excess``, ``last`` value of a drive; ``held`` of a
+        rule base; ``seen`` of a signal that other axes read.
     start : float
         Initial value; NaN if there is none yet.
     line : int
@@ -135,7 +137,7 @@ class Update(Generic[T]):
     @cached_property
     def kind(self) -> SourceKind:
         """Its record."""
-        return self.source.sized(self.period.model.period)
+        return self.source.sized(self.period.every)
 
     @cached_property
     def x(self) -> T:
@@ -168,7 +170,7 @@ class Update(Generic[T]):
         """Return all arguments of the update by their names, states included."""
         period, number = self.period, self.period.algebra.number
         values = dict(self.settings)
-        values |= {"x": self.x, "period": number(period.model.period)}
+        values |= {"x": self.x, "period": number(period.every)}
         if "last" in self.kind.symbols:
             values["last"] = period.algebra.last(period.model.every)
         if self.kind.windup:
@@ -445,9 +447,15 @@ class ControlPeriod(Generic[T]):
     def __init__(self, text: ControllerText, algebra: Algebra[T]) -> None:
         self.text, self.model, self.algebra = text, text.model, algebra
         self.gains = {gain.name: gain for gain in self.model.gains}
+        self.seen = {axis: self.model.seen_elsewhere(axis) for axis in self.model.axis_names}
         self.signals: dict[str, T] = {}
         self.first: bool | None = None
         self.cells = {cell.name: cell for cell in self._remembered()}
+
+    @property
+    def every(self) -> float:
+        """Time from one run of the axis at hand to the next, s."""
+        return self.axes.every * self.model.period
 
     def run(
         self,
@@ -456,6 +464,7 @@ class ControlPeriod(Generic[T]):
         *,
         first: bool | None = None,
         only: Collection[str] | None = None,
+        number: int = 0,
     ) -> tuple[dict[tuple[str, str], T], dict[str, T]]:
         """Do one period.
 
@@ -469,6 +478,8 @@ class ControlPeriod(Generic[T]):
             Whether it is the first period; None: decided by NaN in a memory.
         only : collection of str, optional
             Some of the axes.
+        number : int, optional
+            Number of the period, on which it depends which axes run; in period 0 all do.
 
         Returns
         -------
@@ -483,8 +494,26 @@ class ControlPeriod(Generic[T]):
         for index, (axes, axis) in enumerate(self._every_axis()):
             if only is None or axis in only:
                 self.axes, self.axis, self.index = axes, axis, index
-                drives |= {(axis, port): value for port, value in self._one_axis().items()}
+                sent = self._resting() if number % axes.every else self._one_axis()
+                drives |= {(axis, port): value for port, value in sent.items()}
         return drives, self._after
+
+    def _resting(self) -> dict[str, T]:
+        """Return the drives of an axis between two of its runs."""
+        self._stay()
+        return {port: self.state(self._last(port)) for port in self.axes.ports("drive")}
+
+    def _last(self, port: str) -> Remembered:
+        return self.cells[f"{self.axis}.{port} last"]
+
+    def _stay(self) -> None:
+        """Leave the memory of the axis at hand as it was."""
+        self._after |= {c.name: self.state(c) for c in self.cells.values() if c.axis == self.axis}
+
+    def _leave(self, drives: Mapping[str, T]) -> None:
+        """Leave what was sent."""
+        for port in self.axes.remembered_drives():
+            self.remember(self._last(port), drives[port])
 
     def _every_axis(self) -> Iterator[tuple[Axes, str]]:
         return ((axes, axis) for axes in self.model.axes for axis in axes.names)
@@ -497,11 +526,15 @@ class ControlPeriod(Generic[T]):
         if sent is None:
             for line in self.axes.lines:
                 self._line(line)
+            for name in (name for name in self.seen[self.axis] if name in self.signals):
+                self.remember(_seen(self.axis, name), self.signals[name])
+            self._leave(self._drives)
             after = {c.name: self._after[c.name] for c in memory if c.name in self._after}
             sent = self.algebra.ran(guard, Found(self.signals, self._drives, after))
         if sent is None:
             return self._drives
-        self._after |= {cell.name: self.state(cell) for cell in memory}
+        self._stay()
+        self._leave(sent)
         return sent
 
     # --- memory ---
@@ -514,11 +547,18 @@ class ControlPeriod(Generic[T]):
                     yield _of_drive(axis, line, "slew")
                 elif isinstance(line, SignalLine) and line.source is not None:
                     yield from self._of_source(axes, axis, index, line, line.source)
+            for name in self.seen[axis]:
+                yield _seen(axis, name)
+            if axes.every > 1:
+                for port in axes.ports("drive"):
+                    yield self._of_port(axis, axes, port)
 
     def _of_source(
         self, axes: Axes, axis: str, index: int, line: SignalLine, source: Source
     ) -> Iterator[Remembered]:
-        kind, options = source.sized(self.model.period), dict(source.options)
+        if source.kind == "driven":
+            yield self._of_port(axis, axes, source.name)
+        kind, options = source.sized(axes.every * self.model.period), dict(source.options)
         sheet = self.sheet(source.name, index) if kind.of == "call" else None
         if isinstance(sheet, RuleBase):
             for number, output in enumerate(sheet.outputs):
@@ -529,6 +569,10 @@ class ControlPeriod(Generic[T]):
         drive = _wound(axes, line, source)
         if drive is not None:
             yield _of_drive(axis, drive, "excess")
+
+    def _of_port(self, axis: str, axes: Axes, port: str) -> Remembered:
+        idle, _ = skipped_drives(axes, self.algebra.hold).get(port, (0.0, None))
+        return Remembered(axis, port, "last", idle)
 
     def state(self, cell: Remembered) -> T:
         """Return a memory as the last period left it."""
@@ -581,7 +625,8 @@ class ControlPeriod(Generic[T]):
                 self.remember(excess, algebra.subtract(value, demand))
         if line.slew is not None:
             before = _of_drive(self.axis, line, "slew")
-            value = algebra.near(value, self.state(before), line.slew * self.model.period)
+            most = line.slew * self.axes.every * self.model.period
+            value = algebra.near(value, self.state(before), most)
             self.remember(before, value)
         value = algebra.drive(self.axis, line, value)
         earlier = self._drives.get(line.port)
@@ -611,6 +656,9 @@ class ControlPeriod(Generic[T]):
         """Return a number, a signal or a gain."""
         if not isinstance(value, str):
             return self.algebra.number(float(value))
+        if isinstance(value, Seen):
+            name = _seen(value.axis, value.signal).name
+            return self._after[name] if name in self._after else self.algebra.unknown(value)
         if value in self.signals:
             return self.signals[value]
         gain = self.gains.get(value)
@@ -625,6 +673,8 @@ class ControlPeriod(Generic[T]):
         kinds = source.record.ports
         if not kinds:
             return self.operand(source.name)
+        if source.kind == "driven":
+            return self.algebra.rounded(self.state(self._last(source.name)))
         values = [self._given[PortValue(kind, self.axis, source.name)] for kind in kinds]
         if len(values) == 1:
             return values[0]
@@ -681,6 +731,10 @@ def _last_held(algebra: Algebra[T], call: Call[T], index: int, value: T) -> T:
 
 def _of_drive(axis: str, line: Drive, what: str) -> Remembered:
     return Remembered(axis, line.port, what, 0.0, line.span.line)
+
+
+def _seen(axis: str, name: str) -> Remembered:
+    return Remembered(axis, name, "seen", 0.0)
 
 
 def _held_by(axis: str, line: SignalLine | Learn, index: int) -> Remembered:

@@ -31,6 +31,7 @@ from fuzzyarm.language.model.controller import (
     Learn,
     Line,
     Product,
+    Seen,
     SignalLine,
     Source,
     Zoom,
@@ -99,6 +100,8 @@ class Guard:
         Where its instructions begin and end in the code.
     count : int
         The cell that counts the skipped periods.
+    every, turn : int
+        The periods from one run to the next, and the cell that counts them.
     reads : tuple of int
         Cells of references and measured values; where one is not a number, the axis is skipped.
     drives : dict
@@ -109,6 +112,8 @@ class Guard:
     begin: int
     end: int
     count: int
+    every: int
+    turn: int
     reads: tuple[int, ...]
     drives: Mapping[int, int]
 
@@ -139,6 +144,8 @@ class ControllerCode:
         By the first cell of their frame, the sources with an update.
     guards : dict
         Of each axis its :class:`Guard`.
+    last : dict
+        By the cell of each drive, that of its last value.
     """
 
     code: list[int]
@@ -151,6 +158,7 @@ class ControllerCode:
     tables: Mapping[int, tuple[str, LookupTable]]
     updates: Mapping[int, SourceKind]
     guards: Mapping[str, Guard]
+    last: Mapping[int, int]
 
     def skipped(self, cells: Sequence[float] | NDArray[np.float64]) -> dict[str, int]:
         """Return the number of skipped periods of each axis, from the cells after a run."""
@@ -188,6 +196,8 @@ class ControllerCode:
                 cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
         for guard in self.guards.values():
             cells |= {guard.count, *guard.drives}
+            if guard.every > 1:
+                cells.add(guard.turn)
         # Tables that learn: the ring of cells in use, the values and their visits.
         for begin, end in self.rings:
             cells |= set(range(begin, end))
@@ -287,11 +297,13 @@ class _Writer:
         self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
         self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
         self.guards: dict[str, Guard] = {}
-        self.last_drives: dict[int, int] = {}  # by the cell of a drive, that of its last value
         self.drives = self._drive_cells()
+        self.last_drives: dict[int, int] = {}  # by the cell of a drive, that of its last value
+        self.seen_cells: dict[tuple[str, str], int] = {}  # last values of signals read elsewhere
         self.scratch = self._cell(0.0)  # of values that have no name
         self.axis = ""
         self.index = 0
+        self.every = 1
 
     def program(self) -> ControllerCode:
         """Write everything down."""
@@ -303,8 +315,12 @@ class _Writer:
                 self.axis = name
                 self.limits = {}
                 begin = 1 + len(self.code)
+                self.every = axes.every
+                for port in axes.ports("drive"):
+                    self.last_drives[self.drives[name, port]] = self._cell(0.0)
                 for line in axes.lines:
                     self._write_line(axes, line, first)
+                self._keep(axes)
                 self._guard(axes, begin)
                 self.index += 1
         self._join_drives()
@@ -330,6 +346,17 @@ class _Writer:
                 self._do(to.ADD, cell, cell if cell in begun else self._number(0.0), own)
                 begun.add(cell)
 
+    def _keep(self, axes: Axes) -> None:
+        """Keep what is read elsewhere or later; what is kept has to be finite."""
+        for signal in self.model.seen_elsewhere(self.axis):
+            state = self._cell(0.0, math.inf, 0.0)
+            self._do(to.SLEW, self._cell(0.0), self.signal_cells[self.axis, signal], state)
+            self.seen_cells[self.axis, signal] = state + to.LAST_DRIVE
+        for port in axes.remembered_drives():
+            cell = self.drives[self.axis, port]
+            self._do(to.SUBTRACT, self._cell(0.0), cell, cell)  # not a number where infinite
+            self.code[-1] = 1
+
     def _guard(self, axes: Axes, begin: int) -> None:
         """Put the instructions of an axis into a guard."""
         reads = tuple(
@@ -344,10 +371,11 @@ class _Writer:
             cell = self.drives[self.axis, port]
             start = self.wiring.starts.get((self.axis, port))
             self.cells[cell] = idle if start is None else self.arithmetic.hold(start)
-            self.last_drives[cell] = self._cell(self.cells[cell])
+            self.cells[self.last_drives[cell]] = self.cells[cell]
             drives[cell] = self.last_drives[cell] if sent is None else self._number(sent)
         end, count = 1 + len(self.code), self._cell(0.0)
-        self.guards[self.axis] = Guard(begin, end, count, reads, drives)
+        turn = self._cell(0.0) if axes.every > 1 else count
+        self.guards[self.axis] = Guard(begin, end, count, axes.every, turn, reads, drives)
 
     def _guard_list(self) -> list[int]:
         """Return the list of guards, the first of all lists."""
@@ -358,9 +386,12 @@ class _Writer:
             for function in (to.step_guarded, to.settle)
         ]
         last = [cell for pair in self.last_drives.items() for cell in pair]
-        items = [*addresses, len(cells), len(self.last_drives), *cells, *last]
+        slow = any(guard.every > 1 for guard in self.guards.values())
+        items = [*addresses, int(slow or bool(self.seen_cells))]
+        items += [len(cells), len(self.last_drives), *cells, *last]
         for guard in self.guards.values():
-            items += [guard.begin, guard.end, guard.count, len(guard.reads), len(guard.drives)]
+            items += [guard.begin, guard.end, guard.count, guard.every, guard.turn]
+            items += [len(guard.reads), len(guard.drives)]
             items += [*guard.reads, *(cell for pair in guard.drives.items() for cell in pair)]
         return [*items, 0]
 
@@ -386,6 +417,7 @@ class _Writer:
             self.looked_up,
             self.updates,
             self.guards,
+            self.last_drives,
         )
 
     # --- Cells, instructions, lists ---
@@ -459,7 +491,13 @@ class _Writer:
             return self._number(float(value))
         if value in self.gains:
             return self.gains[value][self.index]
-        return self.signal_cells[self.axis, value]
+        return self._signal(value)
+
+    def _signal(self, name: str) -> int:
+        """Return the cell of a signal."""
+        if isinstance(name, Seen):
+            return self.seen_cells[name.axis, name.signal]
+        return self.signal_cells[self.axis, name]
 
     # --- Lines ---
 
@@ -513,7 +551,8 @@ class _Writer:
 
     def _source(self, axes: Axes, line: SignalLine, source: Source) -> int:
         """Write the instructions of a source; return the cell of its value."""
-        kind = source.sized(self.model.period)
+        period = axes.every * self.model.period
+        kind = source.sized(period)
         if kind.of == "call":
             return self._look_up(source)
         cell = self._taken_of(source)
@@ -521,6 +560,8 @@ class _Writer:
             return cell
         options = dict(source.options)
         arguments = {"last": LAST}
+        if axes.every > 1:
+            arguments["period"] = self._number(period)
         settings = kind.settings(options)
         if kind.windup:
             settings |= {"excess": 0.0, "gain": 0.0}
@@ -559,6 +600,10 @@ class _Writer:
         if not ports:
             return self._operand(source.name)
         values = {"reference": self.wiring.references, "measured": self.wiring.measured}
+        if source.kind == "driven":
+            last = self._copy(self.last_drives[self.drives[of]])
+            self.code[-1] = 1
+            return last
         if len(ports) == 1:
             return values[ports[0]][of]
         set_point = self.wiring.references[of]
@@ -588,7 +633,7 @@ class _Writer:
     def _write_zoom(self, line: Zoom) -> None:
         self._do(to.ZOOM, self.scratch, 0, len(line.signals))
         numbers = [self._operand(line.by), self._operand(line.inside), int(line.wait)]
-        self._list(2, [*numbers, *(self.signal_cells[self.axis, name] for name in line.signals)])
+        self._list(2, [*numbers, *map(self._signal, line.signals)])
 
     def _write_drive(self, line: Drive, first: set[int]) -> None:
         cell = self._sum(line.products)
@@ -596,7 +641,8 @@ class _Writer:
             remembers = int(id(line) in self.limits)
             cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line), remembers)
         if line.slew is not None:
-            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, line.slew, 0.0))
+            steepest = line.slew * self.every
+            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, steepest, 0.0))
         port = self.drives[self.axis, line.port]
         # The first drive of a port sets it, the others add to it, in the order of the text.
         if port in first:
@@ -666,11 +712,11 @@ class _Writer:
             if variable.name == AXIS and AXIS not in names:
                 cells.append(self._number(self.index + 1.0))
             else:
-                cells.append(self.signal_cells[self.axis, next(waiting)])
+                cells.append(self._signal(next(waiting)))
         return cells
 
     def _look_up(self, source: Source) -> int:
-        inputs = tuple(self.signal_cells[self.axis, name] for name in source.inputs)
+        inputs = tuple(map(self._signal, source.inputs))
         place = self._place(source.name)
         grid, axes = self.grids[source.name]
         cell = self.cell_signal.get((source.name, self.index))
@@ -696,7 +742,7 @@ class _Writer:
         ring = self._cell(0.0, *[-1.0] * line.delay)
         self.rings.append((ring, ring + 1 + line.delay))
         visits = self._cell(*[0.0] * place.count)
-        inputs = tuple(self.signal_cells[self.axis, name] for name in line.inputs)
+        inputs = tuple(map(self._signal, line.inputs))
         cell = self._do(to.LEARN, self._cell(0.0), 0)
         tables = [grid, judge_grid, judge.values, int(alike)]
         numbers = [self._operand(line.rate), self._operand(line.bound)]

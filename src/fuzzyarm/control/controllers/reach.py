@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 
 from fuzzyarm.base.diagnostic import Span
 from fuzzyarm.control.controllers.on_plant import Site
@@ -17,6 +18,7 @@ from fuzzyarm.control.controllers.period import (
     ControlPeriod,
     Lesson,
     PortValue,
+    Remembered,
     Update,
 )
 from fuzzyarm.control.controllers.program import AXIS, Sheet, SourceError
@@ -207,6 +209,7 @@ class Ranges(Algebra[Reach]):
         self.text = text
         self.site = site
         self.reaches = Reaches()
+        self.sent: dict[Address, list[tuple[Drive, Reach]]] = {}
 
     # --- numbers, products, sums ---
 
@@ -305,8 +308,22 @@ class Ranges(Algebra[Reach]):
             for kind in ("reference", "measured")
             for address in ports_of(self.text.model, kind)
         )
-        self.period.run({value: self._of_port(value) for value in ports}, {})
+        given = {value: self._of_port(value) for value in ports}
+        self.period.run(given, {})
+        if any(ports_of(self.text.model, "driven")):  # which may be anything so far
+            self.sent, self.reaches = self.reaches.drives, Reaches()
+            self.period.run(given, {})
         return self.reaches
+
+    def begins(self, cell: Remembered) -> Reach:
+        """Return the range of a memory: of what was sent, that of the drive and its start."""
+        if cell.what != "last":
+            return super().begins(cell)
+        drives = [reach for _, reach in self.sent.get((cell.axis, cell.of), [])]
+        if not drives:
+            return Reach()
+        sent = reduce(self.add, drives)
+        return replace(sent, at=hull(sent.at, Interval(cell.start, cell.start)))
 
     def signal(self, axis: str, name: str, value: Reach, *, rounded: bool = True) -> Reach:
         """Note a signal."""
@@ -359,7 +376,8 @@ class Ranges(Algebra[Reach]):
         if kind.function is None:
             return reach
         model = self.text.model
-        near = Surroundings(reach.at, reach.pace, model.period, model.every, options)
+        period = self.period.every
+        near = Surroundings(reach.at, reach.pace, period, model.every, options)
         settings = {name: value.at for name, value in update.settings.items()}
         unit = of_difference(reach.unit) if kind.difference else reach.unit
         if kind.dimensionless:

@@ -139,8 +139,8 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     model = text.model
     for _, line in model.lines():
         source = line.source if isinstance(line, SignalLine) else None
-        if source is not None and source.record.states:
-            message = f"{model.name} remembers: it has '{source.kind} of'"
+        if source is not None and (source.record.states or source.kind == "driven"):
+            message = f"{model.name} remembers: it has '{source.kind}{source.record.joined}'"
             hint = "a describing function needs a controller without states"
             raise AnalysisError(message, name=model.name, hint=hint)
         if isinstance(line, Learn) or (isinstance(line, Drive) and line.slew is not None):

@@ -24,7 +24,9 @@ from fuzzyarm.exchange.export.steps import (
     StepVariable,
     Teach,
     first_of,
+    last_of,
     limited_value,
+    turn_of,
 )
 from fuzzyarm.exchange.export.table import FixedTable, float_table, scaled, shift_of, unscaled
 from fuzzyarm.exchange.export.typed_program import (
@@ -56,6 +58,9 @@ from fuzzyarm.symbolic.printing import Assign, variables
 ALL_NUMBERS, SETTLED = "all are numbers", "so is what was found"
 """Remark of the condition under which an axis does its period."""
 
+IN_TURN = "its turn"
+"""Remark of the condition under which a slow axis runs."""
+
 ENDS, LEFT = "set point ends", "periods left"
 """The argument that tells the last period of a set point, and the member that counts them."""
 
@@ -63,7 +68,8 @@ ENDS, LEFT = "set point ends", "periods left"
 _REMARKS = {
     "first": "whether no period was run yet", "state": "remembered", "table": "learns",
     "visits": "of each cell", "ring": "cells in use before; -1: none",
-    "held": "last value of the drive",
+    "held": "last value of the drive", "last": "last value of the drive",
+    "turn": "periods since its last run",
 }  # fmt: skip
 """Purposes of members, by their role."""
 
@@ -167,9 +173,13 @@ class _Lowering:
             for name, sent in guard.drives.items():
                 drive = self.steps.variables[name]
                 if sent is None:
-                    self.held[name] = f"held {name}"
-                    self._member(self.held[name], f"{drive.name}_held", self.outer, drive.start,
-                                 axis=guard.axis, role="held")  # fmt: skip
+                    self.held[name] = last_of(name)
+                if sent is None or name in self.steps.kept:
+                    role = "held" if sent is None else "last"
+                    self._member(last_of(name), f"{drive.name}_{role}", self.outer, drive.start,
+                                 axis=guard.axis, role=role)  # fmt: skip
+            if guard.every > 1:
+                self._member(turn_of(guard.axis), "turn", INDEX, 0, axis=guard.axis, role="turn")
         for drive in self.steps.of_sort("drive"):
             variable = Variable(self.stem(drive), self.outer)
             self.local[drive.symbol] = self.program.drives[drive.symbol] = variable
@@ -227,8 +237,12 @@ class _Lowering:
     def _block(self, block: Block) -> Iterator[Line]:
         """Yield the statements of an axis, with its state updates under its condition."""
         guard = block.guard
+        begun: list[Line] = []
         for name, value in guard.sent.items():
-            yield Assign(name, constant(rounded([value], self.outer, "a drive").tolist()[0]))
+            if guard.every > 1:
+                yield Assign(name, symbol(last_of(name)))
+            sent = constant(rounded([value], self.outer, "a drive").tolist()[0])
+            begun.append(Assign(name, sent))
         inner: list[Line] = []
         self.fired, self.lessons = [], []
         for step, following in zip_longest(block.steps, block.steps[1:]):
@@ -240,7 +254,15 @@ class _Lowering:
         for fires in self.fired:
             settled = fires if settled is None else settled & fires
         inner = [*inner, *self._when(settled, lasting, SETTLED)]
-        yield from self._when(guard.condition, inner, ALL_NUMBERS)
+        lines = [*begun, *self._when(guard.condition, inner, ALL_NUMBERS)]
+        lines += [Assign(last_of(name), symbol(name)) for name in guard.sent
+                  if name in self.steps.kept]  # fmt: skip
+        if guard.every > 1:
+            turn = symbol(turn_of(guard.axis))
+            yield from self._when(apply("equal", turn, at(0)), lines, IN_TURN)
+            yield Assign(turn.name, where(turn < at(guard.every - 1), turn + at(1), at(0)))
+        else:
+            yield from lines
         for name in guard.drives:
             if name in self.held:
                 yield Assign(name, symbol(self.held[name]))

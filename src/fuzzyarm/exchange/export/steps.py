@@ -32,6 +32,16 @@ def first_of(axis: str) -> str:
     return f"first:{axis}"
 
 
+def turn_of(axis: str) -> str:
+    """Return the symbol of a counter: the periods since the last run of a slow axis."""
+    return f"turn:{axis}"
+
+
+def last_of(drive: str) -> str:
+    """Return the symbol of the last value of a drive."""
+    return f"held {drive}"
+
+
 def limited_value() -> Node:
     """Return the value of a learning cell, clipped to ± bound as in the kernel."""
     limited: Node = op.minimum(op.maximum(symbol("value"), -symbol("bound")), symbol("bound"))
@@ -172,6 +182,8 @@ class Guard(NamedTuple):
     numbers, finite : tuple of str
         Symbols that have to be numbers, and finite, at the end of the steps: else they leave
         nothing behind.
+    every : int
+        The periods from one run of the steps to the next.
     """
 
     axis: str
@@ -179,6 +191,7 @@ class Guard(NamedTuple):
     drives: Mapping[str, float | None]
     numbers: tuple[str, ...]
     finite: tuple[str, ...]
+    every: int = 1
 
     @property
     def condition(self) -> Node | None:
@@ -246,6 +259,8 @@ class Steps:
         Whether it matters when a set point ends.
     needs_first : dict of str to None
         Axes for which it matters which period is the first one.
+    kept : dict of str to None
+        Symbols of drives whose last value is read, or held between two runs.
     blocks : list of Block
         One for each axis.
     """
@@ -262,6 +277,7 @@ class Steps:
     judges: dict[str, LookupTable] = field(default_factory=dict)
     needs_last: bool = False
     needs_first: dict[str, None] = field(default_factory=dict)
+    kept: dict[str, None] = field(default_factory=dict)
     blocks: list[Block] = field(default_factory=list)
 
     def uses(self) -> Counter[str]:

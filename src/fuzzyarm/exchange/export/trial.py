@@ -198,8 +198,9 @@ def _sample(
             target = values.get(port.symbol.replace("measured:", "reference:"), 0.0)
             values[port.symbol] = float(outside(target - error))
         for number, block in enumerate(steps.blocks):
-            reads = block.guard.reads
-            if k in (0, LOST + number) and reads:
+            reads, every = block.guard.reads, block.guard.every
+            lost = -(-(LOST + number) // every) * every  # a period in which it runs
+            if k in (0, lost) and reads:
                 values[reads[k % len(reads)]] = math.nan
         return values
 

@@ -47,6 +47,7 @@ from fuzzyarm.exchange.export.steps import (
     StepVariable,
     Teach,
     first_of,
+    last_of,
 )
 from fuzzyarm.exchange.export.table import (
     MOST_CELLS,
@@ -187,7 +188,11 @@ class Lines(Algebra[Node]):
 
     def begins(self, cell: Remembered) -> Node:
         """Return the variable of a memory."""
-        if cell.name not in self.states:
+        if cell.what == "last":
+            drive = StepVariable("drive", cell.axis, cell.of).symbol
+            self.result.kept[drive] = None
+            self.states[cell.name] = last_of(drive)
+        elif cell.name not in self.states:
             stem = f"{cell.axis}_{cell.of}_{_SUFFIXES.get(cell.what, cell.what)}"
             name = self.state_names.new(stem).removeprefix(f"{identifier(cell.axis)}_")
             # No language has NaN for an empty memory: the first period is a flag.
@@ -204,8 +209,9 @@ class Lines(Algebra[Node]):
         """Schedule a memory for the store of its new value."""
         variable = self.begins(cell)
         assert isinstance(variable, Symbol)
-        self.pending.append((variable.name, value, cell.what != "slew"))
-        return value
+        if cell.what != "last":  # which its drive leaves
+            self.pending.append((variable.name, value, cell.what != "slew"))
+        return variable if cell.what == "seen" else value
 
     def signal(self, axis: str, name: str, value: Node, *, rounded: bool = True) -> Node:
         """Set a signal."""
@@ -350,6 +356,7 @@ class Lines(Algebra[Node]):
 
     def ran(self, guard: AxisGuard, found: Found[Node]) -> None:
         """End an axis: states are set where its period counts; a sum is rounded once."""
+        self._store([])
         sent: dict[str, float | None] = {}
         drives: list[Set] = []
         for port, value in found.drives.items():
@@ -359,12 +366,21 @@ class Lines(Algebra[Node]):
             sent[name] = guard.sent[port]
             # A sum of several lines is one more value that has to be a number.
             drives.append(Set(name, self._number(value), rounded=True))
+            if name in self.result.kept and not self._is_limited(port):
+                self.finite.append(drives[-1].value)
         reads = tuple(StepVariable(*value).symbol for value in guard.reads)
         lasting = [*self._memory(), *drives]
         finite = dict.fromkeys(x.name for x in self.finite if isinstance(x, Symbol))
-        guarded = Guard(guard.axis, reads, sent, self._not_implied(), tuple(finite))
+        numbers, every = self._not_implied(), self.period.axes.every
+        guarded = Guard(guard.axis, reads, sent, numbers, tuple(finite), every)
         steps = tuple(self.result.steps[self.first_step :])
         self.result.blocks.append(Block(guarded, steps, tuple(lasting)))
+
+    def _is_limited(self, port: str) -> bool:
+        """Whether all drives of a port have finite limits."""
+        lines = (line for line in self.period.axes.lines if isinstance(line, Drive))
+        limits = [line.within or (-math.inf, math.inf) for line in lines if line.port == port]
+        return all(math.isfinite(end) for pair in limits for end in pair)
 
     def _memory(self) -> Iterator[Set]:
         """Yield the steps that set states, in an order in which none reads a new one."""

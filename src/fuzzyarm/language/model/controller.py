@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.base.numbers import TIMES
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
@@ -152,6 +152,25 @@ class Partner:
 # --- The lines of an axis ---
 
 
+class Seen(Word):
+    """``AXIS.NAME``: a signal of an axis further up."""
+
+    __slots__ = ("axis", "signal")
+
+    axis: Word
+    signal: Word
+
+    @classmethod
+    def of(cls, axis: Word, signal: Word) -> Seen:
+        """Return the name of a signal of an axis."""
+        seen = cls(f"{axis}.{signal}", axis.span.to(signal.span))
+        seen.axis, seen.signal = axis, signal
+        return seen
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Seen.of, (self.axis, self.signal)
+
+
 class Factor(NamedTuple):
     """A signal, a gain or a partner by name, or a number; and whether it divides.
 
@@ -252,6 +271,11 @@ class Zoom:
     wait: bool = False
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
+    def reads(self) -> Iterator[str]:
+        """Yield its signals and gains."""
+        yield from self.signals
+        yield from (value for value in (self.by, self.inside) if isinstance(value, str))
+
 
 @dataclass(frozen=True, slots=True)
 class Learn:
@@ -275,6 +299,10 @@ class Learn:
     inputs: tuple[str, ...]
     options: tuple[tuple[str, Setting], ...] = ()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def reads(self) -> Iterator[str]:
+        """Yield the signals that the performance table reads."""
+        yield from self.inputs
 
     @property
     def delay(self) -> int:
@@ -353,11 +381,19 @@ class Axes:
         Names of the axes.
     lines : tuple of SignalLine, Zoom, Learn or Drive
         In the order of the text.
+    every : int
+        The control periods from one run of the lines to the next; the first period is one.
     """
 
     names: tuple[str, ...]
     lines: tuple[Line, ...] = ()
+    every: int = 1
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def remembered_drives(self) -> tuple[str, ...]:
+        """Return the drives whose last value is read, or held between two runs."""
+        read = self.ports("drive" if self.every > 1 else "driven")
+        return tuple(port for port in self.ports("drive") if port in read)
 
     def ports(self, kind: str) -> tuple[str, ...]:
         """Return the ports of a kind that the lines name, in order.
@@ -365,7 +401,7 @@ class Axes:
         Parameters
         ----------
         kind : str
-            ``reference``, ``measured`` or ``drive``.
+            ``reference``, ``measured``, ``driven`` or ``drive``.
         """
         ports: dict[str, None] = {}
         for line in self.lines:
@@ -506,6 +542,12 @@ class ControllerModel(OfKind):
         words = f"every {self.period:g} s, axes {axes}, gains {gains or 'none'}"
         return one_line(self, f"{self.name}: {words}")
 
+    def seen_elsewhere(self, axis: str) -> tuple[str, ...]:
+        """Return the signals of an axis that other axes read, as ``AXIS.NAME``."""
+        reads = (name for _, line in self.lines() for name in line.reads())
+        names = (seen for seen in reads if isinstance(seen, Seen) and seen.axis == axis)
+        return tuple(dict.fromkeys(seen.signal for seen in names))
+
     def lines(self) -> Iterator[tuple[Axes, Line]]:
         """Iterate over the lines of all axes."""
         for axes in self.axes:
@@ -516,6 +558,11 @@ class ControllerModel(OfKind):
     def axis_names(self) -> tuple[str, ...]:
         """The axes, in order."""
         return tuple(name for axes in self.axes for name in axes.names)
+
+    @property
+    def is_cascade(self) -> bool:
+        """Whether an axis reads a signal of another one."""
+        return any(self.seen_elsewhere(axis) for axis in self.axis_names)
 
     @property
     def has_one_axis(self) -> bool:

@@ -85,7 +85,7 @@ def straightened(
         lines: list[Line] = []
         for line in part.lines:
             lines += planes.lines_for(line, part) if _is_rules(line) else [line]
-        axes.append(Axes(part.names, tuple(lines), part.span))
+        axes.append(replace(part, lines=tuple(lines)))
     if not planes.moving:
         hint = "leave the linear controller out (--no-linear)"
         rules = any(_is_rules(line) for part in model.axes for line in part.lines)

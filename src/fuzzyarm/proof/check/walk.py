@@ -19,7 +19,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.actuators import periods_of
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
-from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, require_one_rate
 from fuzzyarm.symbolic.identifiers import Names, identifier
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply
 from fuzzyarm.symbolic.sources import VALUE
@@ -80,6 +80,7 @@ class ProgramWalk:
             )
         except SourceError as error:
             raise LoopProofError(str(error)) from error
+        require_one_rate(model)
         self._names = _signals_of(self._program, self._wiring)
         self._cell_names = _names_of_states(self._program, self._names)
         self.states = {
@@ -155,6 +156,7 @@ class ProgramWalk:
             port, value = self._port("drive", address), self._load(cell)
             earlier = drives.get(port)
             drives[port] = value if earlier is None else numbers.apply("add", [earlier, value])
+            self._keep(self._program.last[cell], value)
         inputs = {address: self._actuated(address, drives) for address in self._inputs}
         return inputs, {**self._before, **self._after}
 
@@ -231,7 +233,9 @@ class ProgramWalk:
 
     def _slewed(self, x: Any, state: int) -> Any:
         steepest = float(self._program.cells[state + code.STEEPEST])
-        value = self._near(x, self._load(state + code.LAST_DRIVE), steepest)
+        value = x
+        if steepest < math.inf:  # else what other axes read is kept in it
+            value = self._near(x, self._load(state + code.LAST_DRIVE), steepest)
         self._keep(state + code.LAST_DRIVE, value)
         return value
 
@@ -467,7 +471,7 @@ def _names_of_states(program: ControllerCode, signals: Sequence[Address]) -> dic
         for k, (operator, _, _, b, _) in enumerate(instructions)
         if operator == code.LIMIT
     }
-    names, found = Names(), dict[int, str]()
+    names, found, last = Names(), dict[int, str](), set(program.last.values())
 
     def name(cell: int, suffix: str, at: int) -> None:
         axis, base = signals[at]
@@ -476,7 +480,9 @@ def _names_of_states(program: ControllerCode, signals: Sequence[Address]) -> dic
             found[cell] = f"state:{axis}:{stem}"
 
     for at, (operator, _, a, b, _) in enumerate(instructions):
-        if operator == code.SLEW:
+        if operator == code.COPY and a in last:
+            name(a, "last", at)
+        elif operator == code.SLEW:
             name(b + code.LAST_DRIVE, "before_slew", at)
         elif operator == code.UPDATE:
             for cell, state in enumerate(program.updates[b].states, b + 1):

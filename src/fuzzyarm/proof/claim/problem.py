@@ -23,6 +23,7 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.controller import ControllerModel
 from fuzzyarm.plant.actuators import is_whole, periods_of
 from fuzzyarm.plant.equations import expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
@@ -163,6 +164,14 @@ class LoopProblem:
             inputs,
             tuple(f"p{k}" for k in range(len(plant.parameters))),
         )
+
+
+def require_one_rate(model: ControllerModel) -> None:
+    """Refuse a controller with an axis that does not run in each period."""
+    slow = next((axes for axes in model.axes if axes.every > 1), None)
+    if slow is not None:
+        message = f"the axis '{slow.names[0]}' runs every {slow.every} control periods"
+        raise LoopProofError(f"{message}: loops are proved with one rate")
 
 
 def _demand_whole_delays(delays: Mapping[str, float], period: float) -> None:

@@ -18,7 +18,7 @@ from fuzzyarm.language.model.controller import Learn, Line, SignalLine, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.actuators import dead_time, periods_of
 from fuzzyarm.plant.plant import Address, Port
-from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, require_one_rate
 
 T = TypeVar("T")
 
@@ -51,6 +51,7 @@ class LoopPeriod(Generic[T]):
     def __init__(self, problem: LoopProblem, algebra: LoopAlgebra[T]) -> None:
         self.problem, self.algebra = problem, algebra
         self.control = ControlPeriod(problem.text, algebra)
+        require_one_rate(problem.text.model)
         for index, line in _lines(problem):
             self._demand_provable(index, line)
         self.memory: dict[str, float] = {}

@@ -29,7 +29,7 @@ from fuzzyarm.control.controllers.reach import (
 )
 from fuzzyarm.control.controllers.text import ControllerText, input_names
 from fuzzyarm.inference import infer
-from fuzzyarm.language.model.controller import Drive, SignalLine, Source, Zoom
+from fuzzyarm.language.model.controller import Drive, Seen, SignalLine, Source, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import choice_text, chosen_text
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
@@ -83,6 +83,7 @@ class AxisLines:
     ) -> None:
         self.text, self.site, self.name, self.stop = text, site, name, stop
         reaches = reaches_of(text, site)
+        self.signals = reaches.signals
         own_reaches = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
         self._names = _names_of(own_reaches)
         self.sources: dict[str, Reach] = {
@@ -105,6 +106,10 @@ class AxisLines:
             self._cache[key] = replace(sheet, outputs=outputs)
         rulebase: RuleBase = self._cache[key]
         return rulebase
+
+    def reach_of(self, seen: Seen) -> Interval:
+        """Return the range of a signal of another axis."""
+        return self.signals[seen.axis, seen.signal].at
 
     def name_of(self, of: Source) -> str:
         """Return the name of a source, unique for different ones."""
@@ -214,7 +219,9 @@ class LineWalk(Algebra[SignalLaw]):
         return constant(value)
 
     def unknown(self, name: str) -> SignalLaw:
-        """Return the law of a partner."""
+        """Return the law of a partner, or of a signal of another axis."""
+        if isinstance(name, Seen):
+            return unknown(self.case.reach_of(name), f"'{name}' is a signal of another axis")
         return unknown(EVERYTHING, f"'{name}' is a law of its own")
 
     def add(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
@@ -274,7 +281,7 @@ class LineWalk(Algebra[SignalLaw]):
         kind = update.kind
         if kind.of != "signal" or kind.states or kind.function is None:
             return None
-        numbers = {"period": self.case.text.model.period}
+        numbers = {"period": update.period.every}
         for name, law in update.settings.items():
             if law.constant is not None:
                 numbers[name] = law.constant
