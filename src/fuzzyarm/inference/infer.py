@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, overload
 
 from fuzzyarm.base.diagnostic import Diagnostic, Severity
@@ -132,6 +133,16 @@ def _outputs(
     engine = kept(rulebase)
     remember_point(rulebase, engine.named_point)
     return engine.evaluate(inputs, held)
+
+
+@remembered
+def silent(rulebase: RuleBase) -> RuleBase:
+    """Return a rule base that is NaN where no rule fires and it states no number for that."""
+    outputs = (
+        output if isinstance(output.no_rule, int | float) else replace(output, no_rule=math.nan)
+        for output in rulebase.outputs
+    )
+    return replace(rulebase, outputs=tuple(outputs))
 
 
 def infer_interval(

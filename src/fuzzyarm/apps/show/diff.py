@@ -13,6 +13,7 @@ from fuzzyarm.apps.show.table import table_grids
 from fuzzyarm.apps.show.terms import shape_words
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text, short_bins, short_levels
+from fuzzyarm.inference.apart import Apart
 from fuzzyarm.language.edit.hover import rule_sentence
 from fuzzyarm.language.model.rulebase import (
     And,
@@ -78,15 +79,19 @@ class RuleBaseDiff:
     ----------
     rules, terms, settings : tuple of Change
         Changes of each kind.
+    outputs : tuple of Apart
+        How far each output is apart; empty if that was not asked for, or if inputs or outputs do
+        not correspond.
     """
 
     rules: tuple[Change, ...]
     terms: tuple[Change, ...]
     settings: tuple[Change, ...]
+    outputs: tuple[Apart, ...] = ()
 
     @property
     def same(self) -> bool:
-        """Whether both mean the same."""
+        """Whether both have the same meaning: rules, terms, settings. Numbers are in `outputs`."""
         return not (self.rules or self.terms or self.settings)
 
 
@@ -215,12 +220,27 @@ def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
     from rich.console import Group
     from rich.text import Text
 
+    lines = [Text(apart_words(each)) for each in diff.outputs]
     if diff.same:
-        return Group(Text("the rule bases mean the same"))
-    lines: list[Text] = []
+        return Group(Text("the rule bases mean the same"), *lines)
     for title in ("rules", "terms", "settings"):
         lines += change_lines(title, getattr(diff, title))
     return Group(*lines)
+
+
+def apart_words(found: Apart) -> str:
+    """Return how far an output is apart, in a line."""
+    name = name_text(found.output)
+    at = ", ".join(f"{name_text(key)} = {value:.6g}" for key, value in found.at.items())
+    words = f"{name}: no difference at {found.points:,} points"
+    if found.worst:
+        values = f"{found.before:.6g} -> {found.after:.6g}"
+        words = (f"{name}: apart by {found.worst:.4g} at {at} ({values}), RMS {found.rms:.4g};"
+                 f" the worst of {found.points:,} points")  # fmt: skip
+    if found.missing is not None:
+        at = ", ".join(f"{name_text(key)} = {value:.6g}" for key, value in found.missing.items())
+        words += f"; at {at} only one has a value"
+    return words
 
 
 def change_lines(title: str, changes: Sequence[Change]) -> list[Text]:

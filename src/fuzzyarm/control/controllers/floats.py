@@ -24,8 +24,7 @@ from fuzzyarm.control.controllers.period import (
     Remembered,
 )
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.inference import infer
-from fuzzyarm.inference.prepared import remembered
+from fuzzyarm.inference.infer import infer, silent
 from fuzzyarm.language.model.controller import GainModel
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import RunArithmetic
@@ -54,16 +53,6 @@ def _cell(table: LookupTable, inputs: Sequence[float]) -> int:
         axis = table.axis(name)
         cell = cell * len(axis.levels) + bisect_left(axis.thresholds(table.default_mode), x)
     return cell
-
-
-@remembered
-def _silent(sheet: RuleBase) -> RuleBase:
-    """Return a rule base that is NaN where no rule fires and it states no number for that."""
-    outputs = (
-        output if isinstance(output.no_rule, int | float) else replace(output, no_rule=math.nan)
-        for output in sheet.outputs
-    )
-    return replace(sheet, outputs=tuple(outputs))
 
 
 class Floats(Algebra[float]):
@@ -120,7 +109,7 @@ class Floats(Algebra[float]):
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
         """Return the outputs of a rule base."""
-        return [float(value) for value in infer(_silent(sheet), inputs).values()]
+        return [float(value) for value in infer(silent(sheet), inputs).values()]
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, float]) -> float:
         """Return the value of a lookup table, rounded as a gain."""

@@ -28,7 +28,7 @@ from fuzzyarm.control.controllers.reach import (
     symmetric,
 )
 from fuzzyarm.control.controllers.text import ControllerText, input_names
-from fuzzyarm.inference import infer
+from fuzzyarm.inference.infer import infer, silent
 from fuzzyarm.language.model.controller import Drive, Seen, SignalLine, Source, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import choice_text, chosen_text
@@ -92,20 +92,6 @@ class AxisLines:
         self.definitions: dict[str, tuple[Source, SignalLaw | None]] = {}
         self.only_values = False
         self._cache = cache
-
-    def silent(self, sheet: RuleBase) -> RuleBase:
-        """Return a rule base that is NaN where no rule fires and it states no value for that."""
-        key = "silent", id(sheet)
-        if key not in self._cache:
-            outputs = tuple(
-                output
-                if isinstance(output.no_rule, int | float)
-                else replace(output, no_rule=math.nan)
-                for output in sheet.outputs
-            )
-            self._cache[key] = replace(sheet, outputs=outputs)
-        rulebase: RuleBase = self._cache[key]
-        return rulebase
 
     def reach_of(self, seen: Seen) -> Interval:
         """Return the range of a signal of another axis."""
@@ -335,7 +321,7 @@ class LineWalk(Algebra[SignalLaw]):
         prover = self.case.prover(sheet, output)
         if self.case.only_values:
             inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in laws.items()}
-            value = float(infer(self.case.silent(sheet), inputs)[output])
+            value = float(infer(silent(sheet), inputs)[output])
             return unknown(Interval(value, value), "")
         region = {}
         for variable in prover.inputs:
