@@ -21,8 +21,6 @@ from fuzzyarm.language.model.rulebase import Input, RuleBase
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic.kinds import SHAPES
 
-__all__ = ["Apart", "UnlikeRuleBasesError", "apart"]
-
 SPREAD = 20_000
 """Evenly spread points, from which the mean square is."""
 
