@@ -288,3 +288,42 @@ def test_the_head_of_a_program_has_the_window_and_where_other_states_begin(
     head = " ".join(Path("hold.h").read_text().partition("*/")[0].replace("*", "").split())
     assert "of y in -1 .. 1 (" in head
     assert "), the other states at z = 0.25, every run comes to rest" in head
+
+
+SLIDE = """from fuzzyarm.plant import Plant, Port
+
+
+class Slide(Plant):
+    name = "slide"
+    inputs = {"push": Port("N", -1.0, 1.0)}
+    outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}
+    states = {"y": "m", "v": "m/s"}
+    duration = 20.0
+
+    def derivative(self, t, x, u, p):
+        return [x[1], 20.0 * (u[0] - x[1])]
+"""
+
+
+@pytest.mark.slow
+def test_what_is_far_away_is_followed_to_boxes_on_the_common_way(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At its limit the push makes every run cruise at 1 m/s: from 4 m for 270 periods."""
+    monkeypatch.setattr("fuzzyarm.proof.loop.boxes.MANY", 0)
+    found = mapped(tmp_path, plant=SLIDE, budget=20.0)
+    assert found.share("proved") == 1.0
+    assert all(-4 <= low <= high <= 4 for box in found.boxes for low, high in zip(*box[:2]))
+    assert found.longest > 2.0
+    tubes = found.certificate.tubes
+    ways = [tube for tube in tubes if tube.box[1] != (0, 0)]
+    assert ways == list(tubes[: len(ways)])
+    assert any(tube.into[0] == "tubes" for tube in tubes[len(ways) :])
+    assert max(tube.periods for tube in tubes) < 0.5 * found.longest / 0.01
+    write_certificate(found.certificate, str(tmp_path / "map.json"))
+    data = json.loads((tmp_path / "map.json").read_text())
+    assert checked(tmp_path, data).proved
+    # Without one of those boxes the others lead nowhere.
+    data["tubes"].pop(len(ways) // 2)
+    data.pop("seal")
+    assert not checked(tmp_path, sealed(data)).proved

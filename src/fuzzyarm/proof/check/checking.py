@@ -341,18 +341,19 @@ def follow_tubes(
             raise LoopProofError(
                 f"box {number + 1}: it leads into boxes that are not known to arrive"
             )
-        if kind == "regions" and index >= len(follower.havens):
-            raise LoopProofError(f"box {number + 1}: there is no region {index}")
-        ways.setdefault((kind, 0 if kind == "tubes" else index), []).append(number)
+        # Those that lead into others may as well lead into a region: they are followed together.
+        way = ("regions", 0) if kind == "tubes" else (kind, index)
+        if way[0] == "regions" and way[1] >= len(follower.havens):
+            raise LoopProofError(f"box {number + 1}: there is no region {way[1]}")
+        ways.setdefault(way, []).append(number)
     found = [Followed(0)] * len(tubes)
     for (way, index), numbers in ways.items():
         boxes, periods = [tubes[k].box for k in numbers], [tubes[k].periods for k in numbers]
-        counts = None
-        if way == "tubes":
-            task = Task(boxes=ends_of_boxes([tube.box for tube in tubes]))
-            counts = np.array([tubes[k].into[1] for k in numbers])
-        elif way == "regions":
+        counts = np.array([_before(tubes[k]) for k in numbers])
+        if way == "regions":
             task = _into_region(follower, claim, index)
+            if counts.any():
+                task = task._replace(boxes=ends_of_boxes([tube.box for tube in tubes]))
         else:
             last = claimed_in(follower.problem, claim).last if claim.output else None
             if last is None or claim.stable:
@@ -363,6 +364,12 @@ def follow_tubes(
         ):
             found[number] = followed
     return found
+
+
+def _before(tube: TubeProof) -> int:
+    """Return into how many of the boxes before it a box may lead."""
+    kind, count = tube.into
+    return count if kind == "tubes" else 0
 
 
 def _into_region(follower: Follower, claim: LoopClaim, index: int) -> Task:

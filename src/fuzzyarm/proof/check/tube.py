@@ -402,6 +402,8 @@ class Follower:
             low, high = (np.stack(ends, axis=1) for ends in (
                 [x.low for x in spans], [x.high for x in spans]))  # fmt: skip
             due = ~arrived & ((last[which] == k) | task.any_period)
+            for i in np.flatnonzero(due):  # its corners are in some box, before more is asked
+                due[i] = all(_is_in(corner, *task.boxes) for corner in (low[i], high[i]))
             for i in np.flatnonzero(due & np.isfinite(low + high).all(axis=1)):
                 count = None if numbers is None else int(numbers[which[i]])
                 box = list(zip(low[i].tolist(), high[i].tolist(), strict=True))
@@ -461,6 +463,11 @@ class Follower:
 
 def _point(form: Form) -> Spans:
     return Spans(form.centre, form.centre)
+
+
+def _is_in(point: Vector, lows: Vector, highs: Vector) -> bool:
+    """Tell whether a point is in one of some boxes."""
+    return bool(((lows <= point) & (point <= highs)).all(axis=1).any())
 
 
 def _finite(forms: Sequence[Form]) -> Flags:

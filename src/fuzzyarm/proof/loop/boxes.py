@@ -29,9 +29,13 @@ from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET
+from fuzzyarm.proof.loop.waypoints import joined, waypoints
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
 MOST_HALVINGS = 12
+
+MANY = 20_000
+"""Periods of all boxes from which on there is a search for a common way."""
 
 HALVED_AGAIN = 2
 """How often a box of a map is halved that the checker does not follow as a whole."""
@@ -101,7 +105,7 @@ def certify_map(
     boxes: Sequence[tuple[Box, int]],
     stop: Stop,
     halvings: int = HALVED_AGAIN,
-) -> tuple[Certificate, dict[Box, str]]:
+) -> tuple[Certificate, int, dict[Box, str]]:
     """Make the certificate of a map: what of its boxes the checker follows.
 
     Parameters
@@ -119,13 +123,15 @@ def certify_map(
 
     Returns
     -------
-    (Certificate, dict of box to str)
-        And the boxes that are not in it, with the reason.
+    (Certificate, int, dict of box to str)
+        How many of its boxes, the first ones, are waypoints instead of starts; and the boxes that
+        are not in it, with the reason.
     """
     tubes = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
     names = [name for name, *_ in whole.window]
     found = _Halving(problem, whole, tubes, names, halvings, stop)
-    return found.certificate(), {tube.box: reason for tube, reason in found.lost.items()}
+    lost = {tube.box: reason for tube, reason in found.lost.items()}
+    return found.certificate(), found.ways, lost
 
 
 class _Halving:
@@ -137,6 +143,8 @@ class _Halving:
         Those that it follows.
     lost : dict of TubeProof to str
         Those that it does not, and why.
+    ways : int
+        How many of those found first are on the way of others.
     """
 
     def __init__(
@@ -145,6 +153,7 @@ class _Halving:
     ) -> None:  # fmt: skip
         self.problem, self.whole = problem, whole
         self.found: list[TubeProof] = []
+        self.ways = 0
         self.lost = dict.fromkeys(tubes, "time ran out before the checker had followed it")
         self.surfaces = RuleSurfaces()
         wide = [
@@ -154,6 +163,10 @@ class _Halving:
         with contextlib.suppress(TimeOverError), stop:
             havens = [Haven(accepted(problem, r, self.surfaces), r) for r in whole.regions]
             self.follower = Follower(problem, havens, self.surfaces)
+            remembers = self.follower.memory or problem.text.model.every > 1
+            if whole.window and not remembers and sum(t.periods for t in tubes) > MANY:
+                with contextlib.suppress(TimeOverError), stop.half():
+                    self._by_waypoints(wide)
             for depth in range(halvings + 1):
                 self._follow(list(self.lost))
                 if not self.lost or not wide or depth == halvings:
@@ -163,6 +176,16 @@ class _Halving:
                     half: why for tube, why in self.lost.items() for half in _halves(tube, axis)
                 }
                 stop.check(len(self.found) + len(self.lost))
+
+    def _by_waypoints(self, axes: Sequence[int]) -> None:
+        """Take in what leads into boxes on the way of many, in larger boxes where it does."""
+        ways, caught = waypoints(self.follower, list(self.lost))
+        for tube in caught:
+            del self.lost[tube]
+        self.found += ways
+        self.ways = len(ways)
+        for tube, periods in joined(self.follower, ways, caught, axes).items():
+            self.found.append(TubeProof(tube.box, periods, ("tubes", len(ways))))
 
     def _follow(self, tubes: Sequence[TubeProof]) -> None:
         """Take in the boxes that are followed to their end."""

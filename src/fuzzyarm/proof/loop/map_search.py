@@ -236,7 +236,9 @@ class _Map:
                 found.append((ends, box.periods))
         window = tuple((name, span.low, span.high) for name, span in self.window.items())
         stop = Stop(max(self.stop.left, 0.0) + SHARE_OF_CHECK * self.search.budget)
-        self.certificate, lost = certify_map(problem, replace(region, window=window), found, stop)
+        self.certificate, ways, lost = certify_map(
+            problem, replace(region, window=window), found, stop
+        )
         self.work += stop.spent
         order = [problem.states.index(name) for name in self.window]
 
@@ -246,10 +248,11 @@ class _Map:
 
         self.boxes = [box for box in self.boxes if box.verdict != PROVED]
         latest: list[int] = []  # of each box and those before it: into the region, by way of boxes
-        for tube in self.certificate.tubes:
+        for number, tube in enumerate(self.certificate.tubes):
             kind, before = tube.into
             on = latest[before - 1] if kind == "tubes" and before else 0
-            self.boxes.append(mapped(tube.box, PROVED, tube.periods + on, ""))
+            if number >= ways:
+                self.boxes.append(mapped(tube.box, PROVED, tube.periods + on, ""))
             latest.append(max(tube.periods + on, latest[-1] if latest else 0))
         self.boxes += [
             mapped(box, OPEN, 0, f"the checker does not follow it: {reason}")
