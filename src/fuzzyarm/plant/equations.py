@@ -191,7 +191,7 @@ def _agrees(plant: Any, roots: Roots) -> bool:
     # Equations may change attributes of the plant, so they run on a copy.
     separate = apart(plant)
     try:
-        start = [float(value) for value in separate.start(np.random.default_rng(0))]
+        start = [float(value) for value in _started(separate, 0)]
     except USERS:
         return False
     for point in _points(plant, start):
@@ -224,9 +224,9 @@ def _is_answer(
 
 def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], ...]]:
     """Yield times, states, inputs and parameters: at rest, at limits, integers, random ones."""
-    parameters = [
-        float(getattr(parameter, "value", parameter)) for parameter in plant.parameters.values()
-    ]
+    stated = plant.parameters
+    stated = stated.unnoted if isinstance(stated, Watched) else stated
+    parameters = [float(getattr(parameter, "value", parameter)) for parameter in stated.values()]
     ports = plant.inputs.values()
     low = [port.low if math.isfinite(port.low) else -1.0 for port in ports]
     high = [port.high if math.isfinite(port.high) else 1.0 for port in ports]
@@ -255,7 +255,7 @@ Roots = tuple[list[Node], list[Node] | None]
 def _begun_roots(plant: Any, seed: int) -> Roots | None:
     """Return the traced results of a started plant; None if not a reproducible expression."""
     try:
-        plant.start(np.random.default_rng(seed))
+        _started(plant, seed)
     except USERS:  # the run will raise it
         return None
     before, shared = dict(vars(apart(plant))), _class_attributes(plant)
@@ -268,6 +268,15 @@ def _begun_roots(plant: Any, seed: int) -> Roots | None:
     return (
         (rates, outputs) if rates is not None and is_unchanged else None
     )  # counters are not traced
+
+
+def _started(plant: Any, seed: int) -> Sequence[float]:
+    """Start a plant; what its start reads is no reading of equations."""
+    watched = plant.parameters if isinstance(plant.parameters, Watched) else Watched({})
+    before = set(watched.read)
+    states: Sequence[float] = plant.start(np.random.default_rng(seed))
+    watched.read = before
+    return states
 
 
 def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
@@ -400,6 +409,42 @@ def compiled_by_numba(
 
 
 # --- Attributes of a plant ---
+
+
+class Watched(Mapping[str, Any]):
+    """Parameters of a plant that note which are read; no dict, whose copies note nothing."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self._values = dict(values)
+        self.read: set[str] = set()
+
+    def __deepcopy__(self, _copies: object) -> Watched:
+        return self  # copies of the plant note here, too
+
+    @property
+    def unnoted(self) -> Mapping[str, Any]:
+        """The parameters for others than the plant."""
+        return self._values
+
+    def __getitem__(self, name: str) -> Any:
+        self.read.add(name)
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def copy(self) -> dict[str, Any]:
+        """Return the parameters; all of them are read."""
+        return dict(self)
+
+    def __or__(self, other: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(self) | dict(other)
+
+    def __ror__(self, other: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(other) | dict(self)
 
 
 def apart(plant: Any) -> Any:

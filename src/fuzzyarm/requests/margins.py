@@ -17,7 +17,7 @@ class MarginsRequest(Request):
     )
     at: str | None = option("--at PORT=X,...", "constant set points; 0 by default", None)
     with_: str | None = option(
-        "--with VALUES", "PARAMETER = VALUE, ... of the plant; of LOW .. HIGH the middle", None
+        "--with VALUES", "PARAMETER in VALUE .. VALUE, ... of the plant: one value of each", None
     )
     connect: tuple[str, ...] = option(
         "--connect NAME=PORT", "join a name of the controller to a port of the plant", (),

@@ -15,7 +15,7 @@ import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
@@ -161,10 +161,18 @@ def region_lines(
         yield f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
     for name, (low, high) in region.items():
         alone = start_region.get(name)
-        words = "" if alone is None else f" (± {alone:.4g} with the others at rest)"
-        yield f"    {name} in {low:.4g} .. {high:.4g}{words}"
+        words = ""
+        if alone is not None:
+            words = f" (± {outward_text(alone, up=False, digits=4)} with the others at rest)"
+        yield f"    {name} in {_inward(low, high, 4)}{words}"
     if not arrival and not start_region:
         yield "  these are its farthest points; what memory starts as counts as well"
+
+
+def _inward(low: float, high: float, digits: int) -> str:
+    """Return a proved interval in words, rounded so that it stays inside."""
+    ends = outward_text(low, up=True, digits=digits), outward_text(high, up=False, digits=digits)
+    return " .. ".join(ends)
 
 
 def check_certificate(
@@ -252,7 +260,7 @@ def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
     words = [checked.statement + ("" if checked.continuous else ", as sampled")]
     if checked.region and not (checked.claim.start or checked.certificate.tubes):
         reach = [
-            f"{name} in {low:.6g} .. {high:.6g}" for name, (low, high) in checked.region.items()
+            f"{name} in {_inward(low, high, 6)}" for name, (low, high) in checked.region.items()
         ]
         words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
     gains = [f"{gain.name} = {gain_words(gain)}" for gain in text.model.gains]

@@ -9,7 +9,7 @@ the plant.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -25,7 +25,7 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.controller import ControllerModel
 from fuzzyarm.plant.actuators import is_whole, periods_of
-from fuzzyarm.plant.equations import expressions_of, has_queue
+from fuzzyarm.plant.equations import Watched, expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
 from fuzzyarm.symbolic.nodes import Node, symbol, symbols
@@ -227,6 +227,11 @@ def loop_problem(
     SourceError
         If the controller does not fit the plant.
     """
+    values = _chosen("parameter", parameters, plant.parameters)
+    if values:
+        # Equations, ports and start may read it by name: of one value they have that.
+        plant = with_parameters(plant, {name: span.low for name, span in values.items()})
+        _demand_arguments(plant, {n: span for n, span in values.items() if span.low < span.high})
     site = site_of(plant, connect)
     if text.model.partners:
         name = text.model.partners[0].name
@@ -242,24 +247,22 @@ def loop_problem(
         delays |= {name: port.dead_time for name, port in plant.inputs.items()}
     _demand_whole_delays(delays, text.model.period)
     numbers = {name: parameter(plant, name).value for name in plant.parameters}
-    values = {name: Interval(x, x) for name, x in numbers.items()}
-    values |= _chosen("parameter", parameters, plant.parameters)
+    values = {name: Interval(x, x) for name, x in numbers.items()} | values
     begun, unknown = _begun(plant, values)
     starts = {name: Interval(x, x) for name, x in zip(plant.states, begun, strict=True)}
     starts |= _chosen("state", start, plant.states)
     alone = tuple(name for name in plant.states if name not in (start or {}))
     interface = site.interface
     set_points = dict.fromkeys(interface.references, 0.0)
+    _demand_once({name: [interface.port(name)] for name in set_point or {}})
     for name, value in (set_point or {}).items():
         port = interface.port(name)
         if port not in set_points or interface.references[port].order:
             raise ClaimError(f"'{name}' has no constant set point")
         set_points[port] = float(value)
-    effective = {
-        port: sensor
-        for name, sensor in (sensors or {}).items()
-        for port in interface.every_port(name)
-    }
+    places = {name: interface.every_port(name) for name in sensors or {}}
+    _demand_once(places)
+    effective = {port: sensor for name, sensor in (sensors or {}).items() for port in places[name]}
     for port, port_sensor in effective.items():
         if port_sensor.noise:
             label = interface.label(port)
@@ -270,6 +273,15 @@ def loop_problem(
     return LoopProblem(
         text, plant, site, starts, values, set_points, effective, alone, unknown if alone else ""
     )
+
+
+def _demand_once(places: Mapping[str, list[Address]]) -> None:
+    """Refuse two values of one port, which may have two names."""
+    seen: set[Address] = set()
+    for name, ports in places.items():
+        if seen & set(ports):
+            raise ClaimError(f"'{name}' is said twice, by another name")
+        seen |= set(ports)
 
 
 def _with_error_bounds(interface: Interface, set_points: Mapping[Address, float]) -> Interface:
@@ -287,38 +299,36 @@ def _with_error_bounds(interface: Interface, set_points: Mapping[Address, float]
     return replace(interface, outputs=outputs)
 
 
-class _Watched(Mapping[str, Any]):
-    """Parameters of a plant that note which are read; no dict, whose copies note nothing."""
+def _demand_arguments(plant: Plant, free: Mapping[str, Interval]) -> None:
+    """Refuse a parameter of an interval that equations or ports read otherwise than from `p`."""
+    if not free:
+        return
+    at = copy(plant)
+    at.parameters = watched = Watched(plant.parameters)
+    _seen(at)
+    read = [name for name in free if name in watched.read]
+    for name, span in free.items():  # of a start, which may keep what it reads
+        ends = (span.low, 0.5 * span.low + 0.5 * span.high, span.high)
+        first, *others = (_seen(with_parameters(plant, {name: x})) for x in ends)
+        read += [name] if any(first != other for other in others) else []
+    if read:
+        raise LoopProofError(
+            f"{plant.name} reads '{read[0]}' by its name, which has one value there",
+            hint="equations get an interval of it only by their argument p",
+        )
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
-        self._values = dict(values)
-        self.read: set[str] = set()
 
-    def __getitem__(self, name: str) -> Any:
-        self.read.add(name)
-        return self._values[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def copy(self) -> dict[str, Any]:
-        return dict(self)
-
-    def __or__(self, other: Mapping[str, Any]) -> dict[str, Any]:
-        return dict(self) | dict(other)
-
-    def __ror__(self, other: Mapping[str, Any]) -> dict[str, Any]:
-        return dict(other) | dict(self)
+def _seen(plant: Plant) -> tuple[object, ...]:
+    """Return all that a proof knows of a plant; the start is read elsewhere."""
+    ports = tuple(plant.inputs.items()), tuple(plant.outputs.items()), tuple(plant.states.items())
+    return *ports, plant.longest_step, expressions_of(plant)
 
 
 def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
     """Return where a plant begins by itself, and why that is not one place; empty: it is."""
     points = {name: span.low for name, span in values.items()}
     at = with_parameters(plant, points) if points else copy(plant)
-    at.parameters = watched = _Watched(at.parameters)
+    at.parameters = watched = Watched(at.parameters)
     generator = np.random.default_rng(0)
     before = _drawn_from(generator)
     begun = start_of(at, generator)

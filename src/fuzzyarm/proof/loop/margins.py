@@ -33,7 +33,7 @@ from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Address, Plant
-from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, loop_problem
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
 from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope, linearised
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.prover import Prover
@@ -183,7 +183,7 @@ def margins(
     set_point : mapping of str to float, optional
         Constant, by port; 0 for others.
     parameters : mapping of str to (float, float), optional
-        Of the plant, by name; of an interval the middle counts.
+        Of the plant, by name; of one value each.
     sensors : mapping of str to Sensor, optional
         By port; exact ones by default.
     connect : mapping of str to str, optional
@@ -223,6 +223,10 @@ def margins(
 
 def margins_of_problem(problem: LoopProblem, share: float, budget: float) -> list[DriveMargins]:
     """Return the margins of a loop at each drive; see :func:`margins`."""
+    for name, span in problem.parameters.items():
+        if span.low < span.high:
+            hint = f"as in --with '{name} in {span.low:g} .. {span.low:g}'"
+            raise ClaimError(f"margins are of one value of {name}, not of an interval", hint=hint)
     linear = linearised(problem)
     gains = rule_gains(linear, share, Stop(budget))
     return [drive_margins(linear, drive, gains) for drive in linear.drives]

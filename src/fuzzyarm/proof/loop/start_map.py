@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from fuzzyarm.base.jsonable import json_properties
+from fuzzyarm.base.numbers import outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.claim.problem import ClaimError
@@ -194,9 +195,8 @@ class StartMap(Shown):
             begun = ", ".join(f"{name} = {x:g}" for name, x in self.others.items())
             lines.append(f"  the other states begin at {begun}")
         if self.longest:
-            lines.append(
-                f"  within {self.longest:g} s all proved runs are in the region around rest"
-            )
+            longest = outward_text(self.longest, up=True)
+            lines.append(f"  within {longest} s all proved runs are in the region around rest")
         if self.starts:
             lines.append(
                 f"  of {self.starts} drawn starts {self.settled} came to rest, and of those"

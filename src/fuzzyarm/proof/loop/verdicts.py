@@ -16,6 +16,7 @@ from typing import Any
 from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
+from fuzzyarm.base.numbers import outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
@@ -420,7 +421,8 @@ class _Case:
             least = growth(loop, Stop(min(EIGENVALUES, self.stop.left)))
         except (FuzzyarmError, EnclosureError):
             return None
-        grows = f"next to rest a deviation grows at least {least:.6g} times per period"
+        times = outward_text(least, up=False, digits=6)
+        grows = f"next to rest a deviation grows at least {times} times per period"
         return self._said(REFUTED, evidence=(grows,)) if least else None
 
 
