@@ -45,6 +45,7 @@ from fuzzyarm.base.diagnostic import Diagnostic
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.jsonable import JsonProperty, properties_of
 from fuzzyarm.control.controllers.law import Gain
+from fuzzyarm.control.loop.recorded import Replay
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.exchange.export import Exported, ExportedController
 from fuzzyarm.exchange.export.arduino import BoardFolder
@@ -402,6 +403,7 @@ OUTPUTS = (
     Output("learn", "learn CONTROLLER", "tables that a controller learned", Learned),
     Output("fit", "fit SAMPLES -o OUT.frb", "a rule base learned from samples", FitReport),
     Output("validate", "validate FILE SAMPLES", "a rule base judged by samples", Validation),
+    Output("validate-log", "validate FILE LOG --columns …", "a recorded run, replayed", Replay),
     Output("reproduce", "reproduce ROW…", "published rows, run again", list[Reproduced]),
     Output("reproduce-list", "reproduce --list", "the published rows", list[PublishedRow]),
     Output("identify", "identify", "gains fitted to published errors", list[Identified]),

@@ -18,6 +18,7 @@ from fuzzyarm.apps.cli import main
 ROOT = Path(__file__).parents[2]
 PD7 = str(ROOT / "rulebases" / "pd7.frb")
 THERMOSTAT = str(ROOT / "rulebases" / "thermostat.frb")
+ALPHA7 = str(ROOT / "rulebases" / "alpha7.frb")
 TIPPER2 = str(ROOT / "rulebases" / "tipper2.frb")
 TANKS = str(ROOT / "rulebases" / "tanks.frb")
 PARTNERS = str(ROOT / "rulebases" / "acdid+fuzzy.frb")
@@ -185,7 +186,7 @@ CALLS = {
     "compile-board": [["compile", PD7, "--for", "arduino", "-o", "board"]],
     "convert-script": [["convert", "script.py", "-o", "systems"]],
     "diff-tables": [["diff", "a.lut", "b.lut"], ["diff", "a.lut", "a.lut"]],
-    "diff-rules": [["diff", PD7, THERMOSTAT]],
+    "diff-rules": [["diff", PD7, THERMOSTAT], ["diff", PD7, ALPHA7]],
     "diff-controllers": [["diff", SERVO, TANKS], ["diff", "whole.frb", "part.frb"]],
     "simulate": [["simulate", "pd"], ["simulate", SERVO, "--plant", "motor"]],
     "simulate-list": [["simulate", "--list"]],
@@ -200,6 +201,19 @@ CALLS = {
     "learn": [["learn", "--segment", "0.1", "--hold", "0.05", "--every", "100", "-o", "l.lut"]],
     "fit": [["fit", "samples.csv", "-o", "f.frb"], ["fit", "flowers.csv", "-o", "g.frb"]],
     "validate": [["validate", "f.frb", "samples.csv"], ["validate", "g.frb", "flowers.csv"]],
+    "validate-log": [
+        [
+            "validate",
+            SERVO,
+            "pairs.csv",
+            "--columns",
+            "position=e",
+            "velocity=ce",
+            "voltage=u",
+            "reference.position=1",
+            "reference.velocity=0",
+        ],
+    ],
     "reproduce": [["reproduce", "7.1.1/pd"]],
     "reproduce-list": [["reproduce", "--list"]],
     "identify": [["identify", "mrac"]],
@@ -215,7 +229,9 @@ RARE = {
     "reproduce": {
         "runs", "median", "band_low", "band_high", "lowest", "highest", "published_inside",
     },
-    "diff-controllers": {"comparable", "transposed", "header", "cells"},  # of tables
+    # Of tables, and of rule bases by numbers, which are compared alone.
+    "diff-controllers": {"comparable", "transposed", "header", "cells", "output", "worst", "at",
+                         "rms", "points", "missing"},
     "show": {"outcome", "mode"},
 }  # fmt: skip
 """Properties that no call here prints."""

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.inference.infer import infer, silent
-from fuzzyarm.language.model.rulebase import Input, RuleBase
+from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic.kinds import SHAPES
 
@@ -189,7 +190,10 @@ def _gap(one: Array, two: Array) -> Array:
         return np.nan_to_num(np.abs(two - one), nan=0.0)
 
 
-def _paired(one: Sequence[Input], two: Sequence[Input], what: str) -> list[tuple[Input, Input]]:
+_Side = TypeVar("_Side", Input, Output)
+
+
+def _paired(one: Sequence[_Side], two: Sequence[_Side], what: str) -> list[tuple[_Side, _Side]]:
     """Return the variables that correspond: by name, or in their order."""
     if len(one) != len(two):
         raise UnlikeRuleBasesError(f"one has {len(one)} {what}s, the other {len(two)}")

@@ -375,6 +375,17 @@ def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
         return tuple(_cells(decoded(file.read(), name), name)[0].names)
 
 
+def read_columns(path: str | os.PathLike[str], names: Sequence[str]) -> dict[str, Array]:
+    """Return columns of numbers of a CSV file by name; an empty cell is NaN.
+
+    Errors as :func:`read_samples`.
+    """
+    name = os.fspath(path)
+    with open(path, "rb") as file:
+        cells, _ = _cells(decoded(file.read(), name), name)
+    return cells.columns(names)
+
+
 def _frame(name: str) -> Any:
     """Return the data frame in a Parquet file."""
     from importlib.util import find_spec
@@ -501,6 +512,18 @@ class _Cells:
         array = np.stack(columns_read, axis=1) if columns_read else np.empty((len(values), 0))
         return _checked(Samples(tuple(inputs), array, target, values, classes, self.path, notes))
 
+    def columns(self, names: Sequence[str]) -> dict[str, Array]:
+        """Return columns in which a value may be missing, infinite or NaN."""
+        self._check_names()
+        self._check_lengths()
+        if not self.rows:
+            raise _refused("no-samples", "there are no samples", self.path)
+        wrong: list[Diagnostic] = []
+        read = {name: self._column(self.names.index(name), wrong, lost=True) for name in names}
+        if wrong:
+            raise DataError(wrong[:MOST_FINDINGS])
+        return read
+
     def _target(self, name: str, wrong: list[Diagnostic]) -> tuple[Array, tuple[str, ...]]:
         """Return the values of the target, and its classes where it has words."""
         if name not in self.names:
@@ -536,12 +559,12 @@ class _Cells:
         if wrong:
             raise DataError(wrong[:MOST_FINDINGS])
 
-    def _column(self, at: int, wrong: list[Diagnostic]) -> Array:
+    def _column(self, at: int, wrong: list[Diagnostic], *, lost: bool = False) -> Array:
         values = np.empty(len(self.rows))
         name = self.names[at]
         for k, row in enumerate(self.rows):
-            number = _number(row[at], comma=self.comma)
-            if number is None or not math.isfinite(number):
+            number = _number(row[at] or ("nan" if lost else ""), comma=self.comma)
+            if number is None or not (lost or math.isfinite(number)):
                 if not row[at]:
                     message = f"no value of '{name}' in sample {k + 1}"
                     kind = "missing-value"

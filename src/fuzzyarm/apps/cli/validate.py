@@ -10,12 +10,23 @@ share of samples with a firing strength of at least 0.01. Rules that never fire 
 --plot FIG draws residuals, calibration and the rules.
 
   fuzzyarm validate model.frb later.csv --plot residuals.png
+
+With --columns a controller is judged by a recorded run, period by period: what it would have
+driven beside what was driven, and the period from which they part. PORT is a drive, a measured
+value, or reference.PORT; COLUMN is a column of the log, with or without its unit in brackets, or a
+number for what did not move. An empty cell is a lost sample. The controller begins anew with the
+first line; times in a column "time" or "t" must be control periods apart, else the first gap is
+told. --tolerance N is how far both may be apart, in the unit of the drive.
+
+  fuzzyarm validate servo.frb log.csv --columns position=enc velocity=tacho voltage=u \
+    reference.position=wanted reference.velocity=0
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.command import (
@@ -30,10 +41,14 @@ from fuzzyarm.apps.cli.command import (
     say,
 )
 from fuzzyarm.base.columns import in_columns
-from fuzzyarm.base.numbers import counted, percent
+from fuzzyarm.base.numbers import counted, number_text, percent
 from fuzzyarm.exchange.files import load_used_rules
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fuzzyarm.control.loop.recorded import Replay
     from fuzzyarm.language.model.rulebase import RuleBase
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.learning.validation import Region, RuleUse, Validation
@@ -44,6 +59,10 @@ _FEW = 20
 
 def _run(arguments: argparse.Namespace) -> int:
     demand_figure(arguments.plot)
+    if arguments.columns:
+        return _replayed(arguments)
+    if arguments.tolerance is not None:
+        raise WordError("--tolerance is of a recorded run, which --columns names")
     rulebase = load_used_rules(arguments.model, "validate")
     samples = _samples(rulebase, arguments)
     for note in samples.notes:
@@ -61,6 +80,117 @@ def _run(arguments: argparse.Namespace) -> int:
     else:
         say(*_lines(validation, samples, every=arguments.all))
     return 0
+
+
+def _replayed(arguments: argparse.Namespace) -> int:
+    """Judge a controller by a recorded run."""
+    from fuzzyarm.control.controllers.text import read_controller
+    from fuzzyarm.control.loop.recorded import replay
+
+    text = read_controller(arguments.model)
+    log = _Log(arguments.data, [word for words in arguments.columns for word in words])
+    run = text.run()
+    measured = {name: log.column(f"measured.{name}", name) for name in run.inputs}
+    references = {name: log.column(f"reference.{name}") for name in run.references}
+    named = {f"drive.{name}": name for name in run.drives}
+    driven = {name: log.column(key, name) for key, name in named.items() if log.has(key, name)}
+    if not driven:
+        drives = " or ".join(f"{name}=COLUMN" for name in run.drives)
+        raise WordError("no drive is named", hint=f"add  --columns {drives}")
+    log.demand_all_used()
+    found = replay(
+        text, measured, references, driven, times=log.times(), tolerance=arguments.tolerance
+    )
+    if arguments.json:
+        print_json(found, 2)
+    else:
+        say(*_replay_lines(found, text.model.period))
+    return 0
+
+
+class _Log:
+    """Columns of a recorded run by the ports of a controller."""
+
+    def __init__(self, path: str, words: Sequence[str]) -> None:
+        from fuzzyarm.learning.data import column_names, read_columns
+
+        self.path, self.names = path, column_names(path)
+        self.bare = {name.partition("[")[0].strip(): name for name in self.names}
+        self.given = dict(_assigned(word) for word in words)
+        self.used: set[str] = set()
+        chosen = {self._found(column) for column in self.given.values()} - {None}
+        times = [self.bare[name] for name in ("time", "t") if name in self.bare][:1]
+        self.time = times[0] if times else None
+        self.columns = read_columns(path, [*filter(None, chosen | {*times})])
+        self.count = max(map(len, self.columns.values()), default=0)
+
+    def _found(self, column: str) -> str | None:
+        """Return the name of a column as in the file; None of a number."""
+        name = column if column in self.names else self.bare.get(column)
+        if name is None and _as_number(column) is None:
+            hint = f"there are: {', '.join(self.names)}"
+            raise WordError(f"{self.path} has no column '{column}'", hint=hint)
+        return name
+
+    def has(self, *keys: str) -> bool:
+        """Whether a port is given under one of its names."""
+        return any(key in self.given for key in keys)
+
+    def column(self, *keys: str) -> NDArray[np.float64]:
+        """Return the values of a port, by one of its names."""
+        import numpy as np
+
+        key = next((key for key in keys if key in self.given), None)
+        if key is None:
+            raise WordError(f"no column is named for {keys[-1]}",
+                            hint=f"add  --columns {keys[-1]}=COLUMN , or a number")  # fmt: skip
+        self.used.add(key)
+        name = self._found(self.given[key])
+        if name is not None:
+            return self.columns[name]
+        return np.full(self.count, float(self.given[key]))
+
+    def times(self) -> NDArray[np.float64] | None:
+        """Return the times of the periods, where the log has them."""
+        return None if self.time is None else self.columns[self.time]
+
+    def demand_all_used(self) -> None:
+        """Refuse a name that is no port."""
+        if unknown := [key for key in self.given if key not in self.used]:
+            raise WordError(f"the controller has no port '{unknown[0]}'")
+
+
+def _assigned(word: str) -> tuple[str, str]:
+    port, equals, column = word.partition("=")
+    if not (port and equals and column):
+        raise WordError(f"'{word}' is not PORT=COLUMN")
+    return port.strip(), column.strip()
+
+
+def _as_number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _replay_lines(found: Replay, period: float) -> Iterator[str]:
+    yield counted(found.periods, "period")
+    if found.gap is not None:
+        yield f"from period {found.gap} on the times are not {number_text(period)} s apart"
+    for axis, count in found.skipped.items():
+        if count:
+            yield f"axis {axis} skipped {counted(count, 'period')}: a value is not a number"
+    for drive in found.drives:
+        if drive.parts_at is None:
+            yield f"{drive.drive}: as driven, at most {drive.worst:.3g} apart"
+            continue
+        yield (
+            f"{drive.drive}: parts at period {drive.parts_at}"
+            f" ({number_text(drive.parts_at * period)} s): would be {drive.would:.6g},"
+            f" was {drive.was:.6g}; at most {drive.worst:.4g} apart, at period {drive.worst_at},"
+            f" RMS {drive.rms:.4g}"
+        )
 
 
 def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
@@ -206,6 +336,13 @@ COMMANDS = (
         argument("model MODEL", "a rule base, or a controller that uses one"),
         argument("data DATA", "samples: .csv or .parquet"),
         argument("--target NAME", "the column with the true output"),
+        argument(
+            "--columns PORT=COLUMN",
+            "the columns of a recorded run of a controller, or numbers",
+            nargs="+",
+            action="append",
+        ),
+        argument("--tolerance N", "how far what would be driven may be from what was", type=float),
         argument("--plot FIG", "draw residuals, calibration and rules: .png, .svg or .pdf"),
         FORCE,
         flag("--all", "list every rule"),

@@ -1,0 +1,133 @@
+"""A recorded run through a controller: what it would have driven beside what was driven."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.jsonable import json_properties
+from fuzzyarm.control.controllers.text import ControllerText
+
+Array = NDArray[np.float64]
+
+CLOSE = 1e-6
+"""Share of the largest recorded value within which both drives count as equal."""
+
+
+@json_properties("drive parts_at would was worst worst_at rms")
+@dataclass(frozen=True, slots=True)
+class ReplayedDrive:
+    """A drive of a recorded run.
+
+    Attributes
+    ----------
+    drive : str
+        Its port.
+    parts_at : int or None
+        The first period in which both differ by more than the tolerance, from 0; None: they agree.
+    would, was : float or None
+        What the controller would have driven there, and what was driven.
+    worst : float
+        The greatest magnitude of the difference.
+    worst_at : int
+        The period in which it is.
+    rms : float
+        The root of the mean square of the difference.
+    """
+
+    drive: str
+    parts_at: int | None
+    would: float | None
+    was: float | None
+    worst: float
+    worst_at: int
+    rms: float
+
+
+@json_properties("periods gap skipped drives")
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """A recorded run, replayed.
+
+    Attributes
+    ----------
+    periods : int
+        Its length.
+    gap : int or None
+        The first period whose time is not one control period after the one before; None without
+        such, or without times.
+    skipped : dict of str to int
+        By axis, the periods that the controller skipped.
+    drives : tuple of ReplayedDrive
+        Each drive that was recorded.
+    """
+
+    periods: int
+    gap: int | None
+    skipped: Mapping[str, int]
+    drives: tuple[ReplayedDrive, ...]
+
+
+def replay(
+    text: ControllerText,
+    measured: Mapping[str, Array],
+    references: Mapping[str, Array],
+    driven: Mapping[str, Array],
+    *,
+    times: Array | None = None,
+    tolerance: float | None = None,
+) -> Replay:
+    """Run a controller over a recorded run; it begins anew with the first period.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    measured, references, driven : mapping of str to ndarray
+        By port, a value for each period; NaN is a lost sample.
+    times : ndarray, optional
+        The time of each period, s.
+    tolerance : float, optional
+        How far both drives may be apart, in their unit; by default 1e-6 of the largest value.
+    """
+    run = text.run()
+    count = min(len(values) for values in (*measured.values(), *references.values()))
+    would = {name: np.empty(count) for name in driven}
+    for k in range(count):
+        sent = run.step(
+            {name: float(values[k]) for name, values in measured.items()},
+            {name: float(values[k]) for name, values in references.items()},
+        )
+        for name, values in would.items():
+            values[k] = sent[name]
+    drives = tuple(
+        _compared(name, would[name], np.asarray(was, float)[:count], tolerance)
+        for name, was in driven.items()
+    )
+    gap = None if times is None else _gap(times, text.model.period)
+    return Replay(count, gap, run.skipped, drives)
+
+
+def _compared(name: str, would: Array, was: Array, tolerance: float | None) -> ReplayedDrive:
+    apart = np.abs(would - was)
+    known = np.isfinite(apart)
+    if tolerance is None:
+        tolerance = CLOSE * float(np.abs(was[np.isfinite(was)]).max(initial=0.0))
+    beyond = np.flatnonzero(known & (apart > tolerance))
+    first = int(beyond[0]) if beyond.size else None
+    apart = np.where(known, apart, 0.0)
+    worst = int(apart.argmax())
+    values = (None, None) if first is None else (float(would[first]), float(was[first]))
+    rms = math.sqrt(float(np.mean(apart[known] ** 2))) if known.any() else 0.0
+    return ReplayedDrive(name, first, *values, float(apart[worst]), worst, rms)
+
+
+def _gap(times: Array, period: float) -> int | None:
+    """Return the first period that is not one control period after the one before."""
+    steps = np.diff(times)
+    odd = np.flatnonzero(~(np.abs(steps - period) <= 0.05 * period))
+    return int(odd[0]) + 1 if odd.size else None
