@@ -121,9 +121,9 @@ def _compared(name: str, would: Array, was: Array, tolerance: float | None) -> R
     first = int(beyond[0]) if beyond.size else None
     apart = np.where(known, apart, 0.0)
     worst = int(apart.argmax())
-    values = (None, None) if first is None else (float(would[first]), float(was[first]))
+    one, other = (None if first is None else float(values[first]) for values in (would, was))
     rms = math.sqrt(float(np.mean(apart[known] ** 2))) if known.any() else 0.0
-    return ReplayedDrive(name, first, *values, float(apart[worst]), worst, rms)
+    return ReplayedDrive(name, first, one, other, float(apart[worst]), worst, rms)
 
 
 def _gap(times: Array, period: float) -> int | None:
