@@ -220,6 +220,13 @@ def test_a_file_in_the_place_of_the_folder_is_said(tmp_path, pyodide, capsys):
     assert "is not a folder" in capsys.readouterr().err
 
 
+def test_a_folder_that_cannot_be_made_is_said_before_the_work(tmp_path, capsys, monkeypatch):
+    (tmp_path / "s").write_text("", encoding="utf-8")
+    monkeypatch.delattr("fuzzyarm.apps.playground.folder.pyodide_folder")
+    assert main(["playground", "-o", str(tmp_path / "s" / "site"), "--pyodide", "nowhere"]) == 1
+    assert "Not a directory" in capsys.readouterr().err
+
+
 def imported_at_once(tree: ast.Module) -> Iterator[str]:
     """Yield the modules that a module imports when it is loaded, by their names."""
     for node in tree.body:

@@ -95,6 +95,9 @@ def write_playground(
     texts = _texts(files)
     if folder.exists() and not folder.is_dir():
         raise PlaygroundError(f"{folder} is not a folder")
+    if not folder.exists():  # minutes before it is filled: can it be made?
+        folder.mkdir(parents=True)
+        folder.rmdir()
     with pyodide_folder(pyodide) as source:
         parts = {f"python/{name}": (source / name).read_bytes() for name in FILES}
         parts |= {f"python/{path.name}": path.read_bytes() for path in source.glob("numpy-*.whl")}
