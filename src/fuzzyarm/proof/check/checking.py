@@ -350,10 +350,10 @@ def follow_tubes(
                 f"box {number + 1}: it leads into boxes that are not known to arrive"
             )
         # Those that lead into others may as well lead into a region: they are followed together.
-        way = ("regions", 0) if kind == "tubes" else (kind, index)
-        if way[0] == "regions" and way[1] >= len(follower.havens):
-            raise LoopProofError(f"box {number + 1}: there is no region {way[1]}")
-        ways.setdefault(way, []).append(number)
+        goal = ("regions", 0) if kind == "tubes" else (kind, index)
+        if goal[0] == "regions" and goal[1] >= len(follower.havens):
+            raise LoopProofError(f"box {number + 1}: there is no region {goal[1]}")
+        ways.setdefault(goal, []).append(number)
     found = [Followed(0)] * len(tubes)
     for (way, index), numbers in ways.items():
         boxes, periods = [tubes[k].box for k in numbers], [tubes[k].periods for k in numbers]
