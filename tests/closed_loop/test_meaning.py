@@ -656,3 +656,19 @@ def test_a_port_is_claimed_once(folder):
     sensors = {"y": Sensor(delay="10ms"), "lag.y": Sensor(delay="20ms")}
     with pytest.raises(ClaimError, match=r"'lag\.y' is said twice"):
         loop_problem(text, find_plant(name), sensors=sensors)
+
+
+def test_what_was_driven_before_the_start_is_refused_where_the_actuator_says_it(folder):
+    name = plant_file()
+    Path("c.frb").write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of y\n  d = driven u\n"
+        "  drive u = d * 0.5 + e * 0.1\n"
+    )
+    text = load_controller("c.frb")
+    claim = read_claim(f"on '{name}' from y in 0 .. 0: u in -0.1 .. 0.1 during 0 .. 9 ms")
+    assert prove_loop(text, claim).proved
+    plant = find_plant(name)
+    plant.inputs = {"u": Port("V", -5.0, 5.0, start=4.0)}  # then u = 2 at once
+    found = prove_loop(text, claim, plant=plant)
+    assert found.verdict == "undecided"
+    assert "begins at the start of its actuator" in found.reason
