@@ -39,11 +39,13 @@ from fuzzyarm.apps.cli import main
 from fuzzyarm.apps.show.figures import draw_runs, inference_figure, rulebase_figure
 from fuzzyarm.apps.show.figures.animation import animate
 from fuzzyarm.base.files import write_atomically
+from fuzzyarm.control.controllers.own import find_controller
 from fuzzyarm.control.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.language.edit import coloured, complete, fixes, hover, read
 from fuzzyarm.plant import find_plant, pick_and_place
+from fuzzyarm.plant.following import trajectory_of
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -175,6 +177,16 @@ def draw_plants(wanted: list[str]) -> None:
             run = simulate(chosen, plant, reference=references, duration=duration, options=options)
         draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=92)
         animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
+
+
+def draw_robot() -> None:
+    """Animate PUMA 560 by MuJoCo's renderer."""
+    robots = ROOT / "examples" / "robots"
+    plant = find_plant(str(robots / "puma560.xml"))
+    law = find_controller(f"ct+{robots / 'puma-fuzzy.frb'}")
+    move = trajectory_of(plant, "pick-and-place", segment=1.0)
+    run = simulate(law, plant, trajectory=move, payload=True)
+    animate(run, plant, PICTURES / "puma560.gif", frames=FRAMES)
 
 
 def draw_type_2() -> None:
@@ -387,6 +399,7 @@ if __name__ == "__main__":
         draw_authoring()
     if not words or words == ["type2"]:
         draw_type_2()
+        draw_robot()
     if not words or words == ["structures"] or set(words) & set(STRUCTURES):
         draw_structures([word for word in words if word != "structures"])
     if not words or words == ["plants"] or set(words) & set(RUNS):

@@ -112,7 +112,7 @@ def matches(expected, actual):
 @pytest.fixture
 def workplace(tmp_path):
     shutil.copytree(ROOT / "rulebases", tmp_path / "rulebases")
-    for folder in ("controllers", "closed_loop", "assignments"):
+    for folder in ("controllers", "closed_loop", "assignments", "robots"):
         shutil.copytree(ROOT / "examples" / folder, tmp_path / "examples" / folder)
     for text in blocks(ROOT / "README.md", "frb"):
         name = re.match(r"rulebase (\w+)", text).group(1)

@@ -18,7 +18,7 @@ from fuzzyarm.base.errors import MissingExtraError, demand_extra
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 PACKAGES = (
-    "cma", "control", "dask", "distributed", "fmpy", "gymnasium", "loky", "pandas",
+    "cma", "control", "dask", "distributed", "fmpy", "gymnasium", "loky", "mujoco", "pandas",
     "numba", "onnx", "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
     "ziglang",
 )  # fmt: skip

@@ -100,6 +100,15 @@ def drawing_of(plant: Plant, scene: PlantScene) -> Drawing | None:
     return drawing
 
 
+def picture_of(plant: Plant, scene: PlantScene) -> Any:
+    """Return the camera picture of a plant at a sample; None without a camera or OpenGL."""
+    take: Any = getattr(plant, "picture", None)
+    try:
+        return None if take is None else take(scene)
+    except PlantError:
+        return None
+
+
 def _name(plant: object) -> str:
     return getattr(plant, "name", "") or type(plant).__name__
 

@@ -143,8 +143,8 @@ def followed(plant: Plant, trajectory: Trajectory) -> tuple[Address, ...]:
 def at_rest(plant: Plant) -> dict[Address, float]:
     """Return the outputs of a plant at its start, as far as they are states of the same name."""
     states = dict(zip(plant.states, start_of(plant, np.random.default_rng(0)), strict=True))
-    ports = interface_of(plant).outputs
-    return {port: states[port[1]] for port in ports if port[1] in states}
+    named = {port: (".".join(port), port[1]) for port in interface_of(plant).outputs}
+    return {port: states[name] for port, names in named.items() for name in names if name in states}
 
 
 def way_points(

@@ -6,7 +6,7 @@ import linecache
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import copy
 from functools import cache
@@ -20,7 +20,14 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.protected import note_source
-from fuzzyarm.plant.adapters import ControlPlant, EnvironmentPlant, UnitPlant, is_control_system
+from fuzzyarm.plant.adapters import (
+    ControlPlant,
+    EnvironmentPlant,
+    RobotPlant,
+    UnitPlant,
+    is_control_system,
+    menagerie,
+)
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.equations import (
     TRACED,
@@ -41,6 +48,19 @@ PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
 ENVIRONMENT = "gym:"
 """Prefix of a Gymnasium id."""
 
+PREFIXES: Mapping[str, Callable[[str], Plant]] = {
+    ENVIRONMENT: EnvironmentPlant,
+    "menagerie:": menagerie,
+}
+"""Plants of other packages by the prefix of their name."""
+
+SUFFIXES: Mapping[str, Callable[[str], Plant]] = {
+    ".fmu": UnitPlant,
+    ".xml": RobotPlant,
+    ".urdf": RobotPlant,
+}
+"""Plants of other packages by the suffix of their file."""
+
 
 def find_plant(name: str | os.PathLike[str] | object) -> Plant:
     """Make a plant from a name, a file or an object.
@@ -49,8 +69,9 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
     ----------
     name : str, path-like or object
         A shipped plant; ``FILE.py`` or ``FILE.py:NAME``, a user's class or a python-control
-        system, with the file executed; ``gym:NAME``, a Gymnasium environment; ``FILE.fmu``. Or the
-        object itself: a class, an object with the attributes of a plant, a python-control system.
+        system, with the file executed; ``gym:NAME``, a Gymnasium environment; ``FILE.fmu``;
+        ``FILE.xml``, ``FILE.urdf`` or ``menagerie:NAME``, a robot of MuJoCo. Or the object itself:
+        a class, an object with the attributes of a plant, a python-control system.
 
     Raises
     ------
@@ -64,14 +85,16 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
     name = os.fspath(name)
     if name in PLANTS:
         return PLANTS[name]()
-    if name.startswith(ENVIRONMENT):
-        return EnvironmentPlant(name.removeprefix(ENVIRONMENT))
+    for prefix, make in PREFIXES.items():
+        if name.startswith(prefix):
+            return make(name.removeprefix(prefix))
     is_path = "\0" not in name
-    if is_path and name.lower().endswith(".fmu"):
-        return UnitPlant(name)
+    for suffix, make in SUFFIXES.items():
+        if is_path and name.lower().endswith(suffix):
+            return make(name)
     if is_path and ".py" in name:
         return own_plant(name)
-    ways = f"{', '.join(PLANTS)}, FILE.py:NAME, FILE.fmu or gym:NAME"
+    ways = f"{', '.join(PLANTS)}, FILE.py:NAME, FILE.fmu, FILE.xml or gym:NAME"
     hint = near_hint(name, PLANTS)[0] or ways
     raise PlantError(f"no plant '{name}'", name=name, hint=hint)
 

@@ -21,7 +21,6 @@ from fuzzyarm.plant.setting import (
     STUDY_TIMING,
     ArmError,
     Conventions,
-    Pair,
     Timing,
 )
 
@@ -182,48 +181,58 @@ def _moves(points: Sequence[Point], duration: float) -> list[Segment]:
     return [Segment(start, end, duration) for start, end in pairwise(points)]
 
 
-def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0) -> Trajectory:
+def _home(angles: Point, start: Point) -> Point:
+    return start or (0.0,) * len(angles)
+
+
+def reach(
+    angles: Point = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0, start: Point = ()
+) -> Trajectory:
     """Return a move to a position and a hold; a load is picked up on arrival.
 
     Parameters
     ----------
-    angles : pair of float
-        Target, degrees.
+    angles : tuple of float
+        Target of each joint, degrees.
     segment : float
         Duration of the motion, s.
     hold : float
         Duration of the hold, s.
+    start : tuple of float, optional
+        Initial position, degrees; zeros by default.
 
     Returns
     -------
     Trajectory
         Of a move and a hold.
     """
-    there = Segment((0.0, 0.0), angles, segment)
+    there = Segment(_home(angles, start), angles, segment)
     rest = Segment(angles, angles, hold, hold=True)
     return Trajectory("reach", (there, rest), (False, True))
 
 
 def reach_return(
-    angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0
+    angles: Point = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0, start: Point = ()
 ) -> Trajectory:
     """Return a move, the move back with the load, and a hold.
 
     Parameters
     ----------
-    angles : pair of float
-        Target, degrees.
+    angles : tuple of float
+        Target of each joint, degrees.
     segment : float
         Duration of each motion, s.
     hold : float
         Duration of the final hold, s.
+    start : tuple of float, optional
+        Initial position, degrees; zeros by default.
 
     Returns
     -------
     Trajectory
         Of two moves and a hold.
     """
-    home = (0.0, 0.0)
+    home = _home(angles, start)
     segments = (
         Segment(home, angles, segment),
         Segment(angles, home, segment),
@@ -232,22 +241,27 @@ def reach_return(
     return Trajectory("reach-return", segments, (False, True, True))
 
 
-def pick_and_place(angles: Pair = (45.0, -45.0), segment: float = 2.0) -> Trajectory:
+def pick_and_place(
+    angles: Point = (45.0, -45.0), segment: float = 2.0, start: Point = ()
+) -> Trajectory:
     """Return a move and the move back with the load, twice.
 
     Parameters
     ----------
-    angles : pair of float
-        Target, degrees.
+    angles : tuple of float
+        Target of each joint, degrees.
     segment : float
         Duration of each motion, s.
+    start : tuple of float, optional
+        Initial position, degrees; zeros by default.
 
     Returns
     -------
     Trajectory
         Of four moves.
     """
-    points = [(0.0, 0.0), angles] * 2 + [(0.0, 0.0)]
+    home = _home(angles, start)
+    points = [home, angles] * 2 + [home]
     return Trajectory(
         "pick-and-place",
         tuple(_moves(points, segment)),

@@ -36,6 +36,7 @@ from fuzzyarm.control.controllers.program import (
     Wiring,
     write_down,
 )
+from fuzzyarm.control.controllers.robot_laws import InverseDynamics, robot_law
 from fuzzyarm.control.controllers.text import ControllerText, gains_of, ports_of
 from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Product, SignalLine
 from fuzzyarm.plant.arm import RATIOS, motor_torque
@@ -71,12 +72,15 @@ class Site:
         Numbers after its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
+    model : InverseDynamics or None
+        That of a robot, for the laws of the study.
     """
 
     name: str
     interface: Interface
     extra: int = 0
     connect: Mapping[str, str] = field(default_factory=dict)
+    model: InverseDynamics | None = None
 
     @property
     def told(self) -> int:
@@ -175,7 +179,8 @@ def near(word: str, names: list[str]) -> str:
 def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
     """Describe a plant as a controller finds it."""
     extra = plant.particulars.extra
-    return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
+    model = getattr(plant, "inverse_dynamics", None)
+    return Site(plant.name, interface_of(plant), extra, dict(connect or {}), model)
 
 
 PORT_KINDS = ("reference", "measured", "drive")
@@ -365,6 +370,8 @@ def controller_on(controller: Controller, site: Site) -> Controller:
             compiled_controller.name = controller.name
             return compiled_controller
     elif not controller.takes_ports:
+        if site.model is not None and isinstance(controller, CompiledController):
+            return robot_law(controller, site.model)
         require_for_laws(controller.name, site)
     return controller
 
@@ -478,7 +485,7 @@ def timing_words(model: Timed) -> str:
 def timing_on(controller: Controller, site: Site) -> Timing:
     """Return the timing of a controller on a plant; mandatory except for laws."""
     timing = own_timing(controller)
-    if timing is None and lacking(site):
+    if timing is None and site.model is None and lacking(site):
         hint = "write  period = 0.01  into its class, in s"
         raise SourceError(f"{controller.name} has no control period", hint=hint)
     return timing or STUDY_TIMING

@@ -18,6 +18,7 @@ from fuzzyarm.control.controllers import on_plant
 from fuzzyarm.control.controllers.controller import CompiledController, Controller
 from fuzzyarm.control.controllers.law import Law, drives_of_laws, law_integers, view
 from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.robot_laws import EFFORTS, JointMoment, RobotLaw
 from fuzzyarm.control.controllers.text import ControllerRun
 from fuzzyarm.control.loop.course import Course, flat
 from fuzzyarm.control.loop.loop import (
@@ -41,7 +42,7 @@ from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure_of
 from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
 from fuzzyarm.plant.plant import ADVANCE, CLOCK_SIZE, Address, is_compiled, is_traced
-from fuzzyarm.plant.setting import CLOCK, Clock, RunArithmetic, State
+from fuzzyarm.plant.setting import CLOCK, LAST, Clock, RunArithmetic, State
 from fuzzyarm.plant.setting import Reference as ArmReference
 from fuzzyarm.symbolic.kernels import bound_routine, is_built, routine, with_names
 
@@ -389,6 +390,8 @@ def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
 
 
 def _asked(part: Controller, arithmetic: RunArithmetic, course: Course) -> Asked:
+    if isinstance(part, RobotLaw):
+        return _asked_of_robot(part, course)
     if part.takes_ports:
         return _asked_by_ports(part, course)
     law = on_plant.text_law_of(part)
@@ -406,6 +409,30 @@ def _asked_for_torques(part: Controller) -> Asked:
         with _named(part):
             first, second = part.torque(reference, state, clock)
         return (0, float(first)), (1, float(second))
+
+    return ask
+
+
+def _asked_of_robot(part: RobotLaw, course: Course) -> Asked:
+    """Return the call of a law on all joints of a robot."""
+    interface = course.site.interface
+    columns = [at for at, port in enumerate(interface.inputs) if port[1] in EFFORTS]
+    axes = [axis for axis, port in interface.inputs if port in EFFORTS]
+    references, outputs = list(interface.references), list(interface.outputs)
+    first = CLOCK + len(references)
+    cells = [
+        [CLOCK + references.index((axis, port)) for axis in axes]
+        for port in ("position", "velocity", "acceleration")
+    ] + [
+        [first + outputs.index((axis, port)) for axis in axes] for port in ("position", "velocity")
+    ]
+
+    def ask(signals: Any) -> Iterable[tuple[int, float]]:
+        at, v, a, position, velocity = (np.array([signals[cell] for cell in row]) for row in cells)
+        now = JointMoment(at, v, a, position, velocity, signals[LAST] != 0.0)
+        with _named(part):
+            torques = part.torques(now)
+        return zip(columns, torques.tolist(), strict=True)
 
     return ask
 

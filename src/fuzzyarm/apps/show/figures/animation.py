@@ -18,7 +18,7 @@ from fuzzyarm.apps.show.run import summary_panels
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.picture import TONES
-from fuzzyarm.plant.drawings import PlantScene, drawing_of, is_drawn
+from fuzzyarm.plant.drawings import PlantScene, drawing_of, is_drawn, picture_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,8 +185,12 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     def draw(index: int) -> list[Any]:
         axes.clear()
         axes.set_title(safe(f"{name}, {time_words(float(run.time[index]), end)} s"), fontsize=9)
-        drawing = drawing_of(plant, PlantScene(run, index))
-        if drawing is not None:
+        scene = PlantScene(run, index)
+        picture, drawing = picture_of(plant, scene), drawing_of(plant, scene)
+        if picture is not None:
+            axes.imshow(picture)
+            axes.set_axis_off()
+        elif drawing is not None:
             draw_thing(axes, drawing)
         move(index)
         return []

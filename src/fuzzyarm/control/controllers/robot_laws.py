@@ -1,0 +1,203 @@
+"""The conventional laws of the study on a robot with any number of joints.
+
+The kernels of :mod:`.conventional` are the two-link arm, where every product is written out for
+machine code. Here the model is the plant's `inverse_dynamics`, and a law one line over arrays. Its
+gains are those of the study, one number for all joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import UsageError
+from fuzzyarm.control.controllers.controller import CompiledController, Controller
+from fuzzyarm.control.controllers.law import Gain, GainError, unknown_gain
+
+Vector = NDArray[np.float64]
+
+EFFORTS = ("torque", "force")
+"""Ports of a joint that a law drives."""
+
+
+class InverseDynamics(Protocol):
+    """The model of a robot that a controller has."""
+
+    def __call__(
+        self, position: Vector, velocity: Vector, acceleration: Vector, along: Vector | None = None
+    ) -> Vector:
+        """Return ``M(q) a + C(q, v) w + D w + g(q)``; see `RobotPlant.inverse_dynamics`."""
+
+
+class JointMoment(NamedTuple):
+    """The observation of a law in one control period; arrays by joint, SI.
+
+    Attributes
+    ----------
+    wanted, wanted_velocity, wanted_acceleration : ndarray, shape (n,)
+        The set point.
+    position, velocity : ndarray, shape (n,)
+        As measured.
+    last : bool
+        Whether this is the last period of the set point.
+    """
+
+    wanted: Vector
+    wanted_velocity: Vector
+    wanted_acceleration: Vector
+    position: Vector
+    velocity: Vector
+    last: bool
+
+    @property
+    def error(self) -> Vector:
+        """Position error."""
+        return self.wanted - self.position
+
+    @property
+    def rate(self) -> Vector:
+        """Velocity error."""
+        return self.wanted_velocity - self.velocity
+
+
+Numbers = Mapping[str, float]
+JointLaw = Callable[[InverseDynamics, JointMoment, Numbers, Vector], Vector]
+"""From model, observation, gains and memory (one number for each joint) to torques, N m."""
+
+
+def _pd(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector) -> Vector:
+    return k["K_D"] * now.rate + k["K_P"] * now.error
+
+
+def _computed_torque(
+    model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
+) -> Vector:
+    feedback = now.wanted_acceleration + _pd(model, now, k, memory)
+    return model(now.position, now.velocity, feedback)
+
+
+def _feed_forward_inverse(
+    model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
+) -> Vector:
+    ahead = model(now.position, now.velocity, now.wanted_acceleration, now.wanted_velocity)
+    return ahead + _pd(model, now, k, memory)
+
+
+def _critically_damped(
+    model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
+) -> Vector:
+    velocity = now.wanted_velocity + k["Lambda"] * now.error
+    acceleration = now.wanted_acceleration + k["Lambda"] * now.rate
+    ahead = model(now.position, now.velocity, acceleration, velocity)
+    return ahead + k["K_D"] * (velocity - now.velocity)
+
+
+def _pure_feed_forward(
+    model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
+) -> Vector:
+    ahead = model(now.wanted, now.wanted_velocity, now.wanted_acceleration)
+    error = now.error
+    return ahead + _pd(model, now, k, memory) + k["sigma"] * (error @ error) * error
+
+
+def _integral(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector) -> Vector:
+    memory += now.error
+    torque = k["K_I"] * memory
+    if now.last and k["whole_run"] == 0.0:
+        memory[:] = 0.0
+    return torque
+
+
+JOINT_LAWS: Mapping[str, JointLaw] = {
+    "pd": _pd,
+    "ct": _computed_torque,
+    "ffid": _feed_forward_inverse,
+    "cdid": _critically_damped,
+    "feedforward": _pure_feed_forward,
+    "ie": _integral,
+}
+"""By the name of the law. The adaptive laws estimate the parameters of the two-link arm."""
+
+
+class RobotLaw(Controller):
+    """A law of the study on a robot.
+
+    Parameters
+    ----------
+    controller : CompiledController
+        Law and gains.
+    model : InverseDynamics
+        The model of the robot.
+
+    Raises
+    ------
+    GainError
+        If a gain has different values for the joints.
+    """
+
+    takes_ports = True
+
+    def __init__(self, controller: CompiledController, model: InverseDynamics) -> None:
+        self.name, self.model = controller.name, model
+        self.law = JOINT_LAWS[controller.law.name]
+        self._gains = {
+            name: gain
+            for name, gain in controller.gains.items()
+            if not name.startswith("model.")  # of the two-link arm
+        }
+        self._numbers = {name: _number(gain) for name, gain in self._gains.items()}
+        self.start()
+
+    @property
+    def gains(self) -> Mapping[str, Gain]:
+        """Gains by name."""
+        return self._gains
+
+    def with_gains(self, values: Mapping[str, Sequence[float]]) -> RobotLaw:
+        """Return the law with some gains replaced."""
+        other = object.__new__(RobotLaw)
+        vars(other).update(vars(self))
+        other._gains = dict(self._gains)
+        for name, value in values.items():
+            if name not in other._gains:
+                raise unknown_gain(self.name, other._gains, name)
+            other._gains[name] = other._gains[name].with_value(value)
+        other._numbers = {name: _number(gain) for name, gain in other._gains.items()}
+        return other
+
+    def start(self, single: bool = False) -> None:
+        """Forget everything; called once before each run."""
+        self._memory: Vector | None = None
+        self._torque: Vector | None = None
+
+    def torques(self, now: JointMoment) -> Vector:
+        """Return the torque of each joint; in a period without a measurement that of before."""
+        if self._memory is None or self._torque is None:
+            self._memory, self._torque = np.zeros(len(now.wanted)), np.zeros(len(now.wanted))
+        if not any(np.isnan(part).any() for part in now[:5]):
+            self._torque = self.law(self.model, now, self._numbers, self._memory)
+        return self._torque
+
+
+def robot_law(controller: CompiledController, model: InverseDynamics) -> RobotLaw:
+    """Return a law of the study for a robot.
+
+    Raises
+    ------
+    UsageError
+        If it is a law of the two-link arm alone.
+    """
+    if controller.law.name not in JOINT_LAWS:
+        message = f"{controller.name} adapts the parameters of the study's arm, not of a robot"
+        raise UsageError(message, hint=f"on a robot run {', '.join(JOINT_LAWS)}, and texts")
+    return RobotLaw(controller, model)
+
+
+def _number(gain: Gain) -> float:
+    if len(set(gain.value)) > 1:
+        message = f"gain {gain.name} differs between joints, and a robot takes one number for all"
+        raise GainError(message, name=gain.name, value=gain.value)
+    return gain.value[0]
