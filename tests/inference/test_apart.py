@@ -105,3 +105,23 @@ def test_diff_compares_a_conversion_by_numbers(tmp_path, capsys):
     assert main(["diff", str(PD7), str(tmp_path / "pd7.fis")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "u: apart by" in said or "u: no difference at" in said
+
+
+def test_rule_bases_of_many_inputs_are_compared():
+    def many(value):
+        lines = [
+            f"input  x{k} 0 .. 1\nterm x{k} low: ramp 1 0\nterm x{k} high: ramp 0 1"
+            for k in range(20)
+        ]
+        rules = [
+            f"rule if x{k} is high then y is b\nrule if x{k} is low then y is s" for k in range(20)
+        ]
+        return made("\n".join([
+            "rulebase a", *lines, "output y 0 .. 2", "term y s: singleton 0",
+            f"term y b: singleton {value}", "inference defuzzifier weighted-average", *rules,
+        ]))  # fmt: skip
+
+    # The mean of all inputs, times 1 and times 2: farthest apart where all are 1.
+    (found,) = apart(many(1), many(2))
+    assert found.worst == pytest.approx(1.0, abs=1e-9)
+    assert set(found.at.values()) == {1.0}

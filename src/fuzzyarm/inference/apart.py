@@ -147,6 +147,8 @@ class _Search:
     def _corners(self) -> Array:
         """Return points at corners of terms, beside and between them."""
         each = AT_CORNERS ** (1.0 / len(self.inputs))
+        if each < 2.0:  # of many inputs there are too many corners
+            return np.stack([self.low, 0.5 * self.low + 0.5 * self.high, self.high])
         axes = []
         for pair, low, high in zip(self.inputs, self.low, self.high, strict=True):
             corners = np.unique([low, high, *_corners_of(pair, low, high)])

@@ -141,7 +141,7 @@ class RobotLaw(Controller):
     takes_ports = True
 
     def __init__(self, controller: CompiledController, model: InverseDynamics) -> None:
-        self.name, self.model = controller.name, model
+        self.name, self.controller, self.model = controller.name, controller, model
         self.law = JOINT_LAWS[controller.law.name]
         self._gains = {
             name: gain
@@ -158,15 +158,10 @@ class RobotLaw(Controller):
 
     def with_gains(self, values: Mapping[str, Sequence[float]]) -> RobotLaw:
         """Return the law with some gains replaced."""
-        other = object.__new__(RobotLaw)
-        vars(other).update(vars(self))
-        other._gains = dict(self._gains)
-        for name, value in values.items():
-            if name not in other._gains:
-                raise unknown_gain(self.name, other._gains, name)
-            other._gains[name] = other._gains[name].with_value(value)
-        other._numbers = {name: _number(gain) for name, gain in other._gains.items()}
-        return other
+        for name in values:
+            if name not in self._gains:
+                raise unknown_gain(self.name, self._gains, name)
+        return RobotLaw(self.controller.with_gains(values), self.model)
 
     def start(self, single: bool = False) -> None:
         """Forget everything; called once before each run."""
