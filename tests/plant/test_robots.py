@@ -17,7 +17,9 @@ from fuzzyarm.control.controllers.catalogue import controller_in
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.own import find_controller
 from fuzzyarm.control.loop import simulate
+from fuzzyarm.control.loop.along import trajectory_motion
 from fuzzyarm.control.loop.course import Options
+from fuzzyarm.control.loop.run import ClosedLoop
 from fuzzyarm.plant.arm import UNLOADED, coriolis_matrix, forward_dynamics, inverse_dynamics
 from fuzzyarm.plant.drawings import PlantScene, drawing_of
 from fuzzyarm.plant.following import way_points
@@ -215,6 +217,9 @@ def test_what_a_law_of_the_study_cannot_do_on_a_robot_is_said(tmp_path: Path) ->
     uneven = find_controller("pd").with_gains({"K_P": [100.0, 50.0]})
     with pytest.raises(FuzzyarmError, match="K_P differs between joints"):
         simulate(uneven, plant)
+    modelled = find_controller("ct").with_gains({"model.m_1": [3.0]})
+    with pytest.raises(FuzzyarmError, match=r"model\.m_1 is of the two-link arm"):
+        simulate(modelled, plant)
     loose = find_plant(robot(tmp_path, '<motor joint="hip"/>'))
     with pytest.raises(FuzzyarmError, match="joints without a drive"):
         simulate("ct", loose, trajectory=way_points(loose, [(10.0,)], 0.1))
@@ -240,3 +245,10 @@ def test_a_robot_is_drawn_with_its_set_point() -> None:
         if isinstance(part, Line)
         for x, y in zip(part.x, part.y, strict=True)
     )
+
+
+def test_a_run_leaves_no_sum_behind() -> None:
+    plant, law = find_plant(ARM), find_controller("ffid+ie").with_gains({"whole_run": [1.0]})
+    loop = ClosedLoop(law, trajectory_motion(plant, reach_return((20.0, 10.0), 0.3, 0.1), law))
+    first, second = loop.run(), loop.run()
+    np.testing.assert_array_equal(first.error_matrix, second.error_matrix)

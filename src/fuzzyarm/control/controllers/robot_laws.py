@@ -135,7 +135,7 @@ class RobotLaw(Controller):
     Raises
     ------
     GainError
-        If a gain has different values for the joints.
+        If a gain has different values for the joints, or is one of the model of the two-link arm.
     """
 
     takes_ports = True
@@ -143,11 +143,13 @@ class RobotLaw(Controller):
     def __init__(self, controller: CompiledController, model: InverseDynamics) -> None:
         self.name, self.controller, self.model = controller.name, controller, model
         self.law = JOINT_LAWS[controller.law.name]
-        self._gains = {
-            name: gain
-            for name, gain in controller.gains.items()
-            if not name.startswith("model.")  # of the two-link arm
-        }
+        self._gains: dict[str, Gain] = {}
+        for name, gain in controller.gains.items():
+            if not name.startswith("model."):
+                self._gains[name] = gain
+            elif gain.origin == "given":
+                message = f"{name} is of the two-link arm, and a robot has its model in its file"
+                raise GainError(message, name=name, value=gain.value)
         self._numbers = {name: _number(gain) for name, gain in self._gains.items()}
         self.start()
 
