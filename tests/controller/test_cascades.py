@@ -15,6 +15,7 @@ from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.period import PortValue
 from fuzzyarm.control.controllers.reach import reaches_of
 from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.edit import read
 from fuzzyarm.language.edit.references import rename
@@ -296,3 +297,17 @@ def test_a_signal_and_an_axis_are_renamed_where_others_read_them():
         assert len(edits) == 2
         assert (line, name) in {(edit.span.line, edit.text) for edit in edits}
         assert changed.endswith(name) or changed.startswith(name)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("every", [25, 400])
+def test_the_self_test_has_a_run_of_the_slowest_axis(precision, every):
+    law = "axis a every {}\n  e = error of x\naxis b\n  f = error of y\n  drive v = f + a.e\n"
+    program = ControllerProgram(made(HEAD + law.format(every)), precision)
+    rows = np.array(program.tried.vectors.inputs)
+    # In the first period the fast axis has a lost sample, the slow one its numbers.
+    inputs = [*program.steps.of_sort("reference"), *program.steps.of_sort("measured")]
+    slow = [k for k, variable in enumerate(inputs) if variable.axis == "a"]
+    assert np.isfinite(rows[0, slow]).all()
+    assert np.isnan(rows[0]).any()
+    assert len(rows) > min(every, 100)

@@ -201,7 +201,8 @@ class ControllerProgram:
         single = self.text.run(single=True, compiled=False) if self.precision == "mixed" else plain
         names = [port_name(steps, drive) for drive in steps.of_sort("drive")]
         inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-        periods = PERIODS if exact else PERIODS_IN_SINGLE
+        slowest = max((block.guard.every for block in steps.blocks), default=1)
+        periods = PERIODS if exact else max(PERIODS_IN_SINGLE, min(slowest + 2, PERIODS))
         given, expected, truths, found = [], [], [], []
         for period in trial(steps, periods, controller=evaluated):
             ports = _by_port(steps, period)

@@ -200,7 +200,8 @@ def _sample(
         for number, block in enumerate(steps.blocks):
             reads, every = block.guard.reads, block.guard.every
             lost = -(-(LOST + number) // every) * every  # a period in which it runs
-            if k in (0, lost) and reads:
+            # A slow axis runs in the first period, perhaps for the only time: with its numbers.
+            if k in ((0, lost) if every == 1 else (lost,)) and reads:
                 values[reads[k % len(reads)]] = math.nan
         return values
 
