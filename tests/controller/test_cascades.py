@@ -302,7 +302,7 @@ def test_a_signal_and_an_axis_are_renamed_where_others_read_them():
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("every", [25, 400])
 def test_the_self_test_has_a_run_of_the_slowest_axis(precision, every):
-    law = "axis a every {}\n  e = error of x\naxis b\n  f = error of y\n  drive v = f + a.e\n"
+    law = "axis a every {}\n  e = error of x * K\naxis b\n  f = error of y\n  drive v = f + a.e\n"
     program = ControllerProgram(made(HEAD + law.format(every)), precision)
     rows = np.array(program.tried.vectors.inputs)
     # In the first period the fast axis has a lost sample, the slow one its numbers.
