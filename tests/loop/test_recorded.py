@@ -107,3 +107,60 @@ def test_a_damaged_log_is_refused_with_its_line(log, change, said, capsys):
     words = [str(SERVO), str(changed(log, change)), "--columns", *OWN]
     assert main(["validate", *words]) == 1
     assert said in capsys.readouterr().err
+
+
+def emptied(rows):
+    for row in rows[1:]:
+        row[5] = ""
+
+
+def beyond(rows):
+    rows[31][5] = "inf"
+
+
+def in_milliseconds(rows):
+    rows[0][0] = "time [ms]"
+    for row in rows[1:]:
+        row[0] = str(1000.0 * float(row[0]))
+
+
+def test_a_drive_that_was_not_recorded_is_not_as_driven(log, capsys):
+    assert main(["validate", str(SERVO), str(changed(log, emptied)), "--columns", *OWN]) == 0
+    said = capsys.readouterr().out
+    assert "voltage: not recorded in 100 periods" in said
+    assert "as driven" not in said
+
+
+def test_an_infinite_drive_parts(log, capsys):
+    _, found = judged(capsys, SERVO, changed(log, beyond))
+    assert [(d["compared"], d["parts_at"]) for d in found["drives"]] == [(100, 30)]
+
+
+def test_times_may_be_in_another_unit(log, capsys):
+    _, found = judged(capsys, SERVO, changed(log, in_milliseconds))
+    assert found["gap"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--tolerance", "nan"), "tolerance of nan is out of range"),
+        (("--tolerance", "-1"), "tolerance of -1 is out of range"),
+        (("--all",), "--all is of samples"),
+        (("--plot", "a.png"), "--plot is of samples"),
+    ],
+)
+def test_what_does_not_go_with_a_log_is_refused(log, capsys, words, said):
+    assert main(["validate", str(SERVO), str(log), *words, "--columns", *OWN]) in {1, 2}
+    assert said in capsys.readouterr().err
+
+
+def test_a_column_that_could_be_two_is_refused(log, capsys):
+    def change(rows):
+        rows[0][4], rows[0][5] = "voltage [V]", "voltage [mV]"
+
+    words = ["validate", str(SERVO), str(changed(log, change)), "--columns", *OWN]
+    assert main(words) == 1
+    assert "has 2 columns 'voltage'" in capsys.readouterr().err
+    assert main(["validate", str(SERVO), str(log), "--columns", *OWN, "voltage=position"]) == 1
+    assert "'voltage' has two columns" in capsys.readouterr().err

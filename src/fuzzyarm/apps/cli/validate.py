@@ -16,7 +16,8 @@ driven beside what was driven, and the period from which they part. PORT is a dr
 value, or reference.PORT; COLUMN is a column of the log, with or without its unit in brackets, or a
 number for what did not move. An empty cell is a lost sample. The controller begins anew with the
 first line; times in a column "time" or "t" must be control periods apart, else the first gap is
-told. --tolerance N is how far both may be apart, in the unit of the drive.
+told. --tolerance N is how far both may be apart, in the unit of the drive. The exit status is 0
+whether they part or not: "parts_at" of --json tells.
 
   fuzzyarm validate servo.frb log.csv --columns position=enc velocity=tacho voltage=u \
     reference.position=wanted reference.velocity=0
@@ -41,7 +42,7 @@ from fuzzyarm.apps.cli.command import (
     say,
 )
 from fuzzyarm.base.columns import in_columns
-from fuzzyarm.base.numbers import counted, number_text, percent
+from fuzzyarm.base.numbers import TIMES, counted, number_text, percent
 from fuzzyarm.exchange.files import load_used_rules
 
 if TYPE_CHECKING:
@@ -87,6 +88,9 @@ def _replayed(arguments: argparse.Namespace) -> int:
     from fuzzyarm.control.controllers.text import read_controller
     from fuzzyarm.control.loop.recorded import replay
 
+    for name in ("plot", "all", "target"):
+        if getattr(arguments, name):
+            raise WordError(f"--{name} is of samples, not of a recorded run, as --columns names")
     text = read_controller(arguments.model)
     log = _Log(arguments.data, [word for words in arguments.columns for word in words])
     run = text.run()
@@ -115,8 +119,17 @@ class _Log:
         from fuzzyarm.learning.data import column_names, read_columns
 
         self.path, self.names = path, column_names(path)
-        self.bare = {name.partition("[")[0].strip(): name for name in self.names}
-        self.given = dict(_assigned(word) for word in words)
+        bare = [name.partition("[")[0].strip() for name in self.names]
+        self.bare = {
+            short: name
+            for short, name in zip(bare, self.names, strict=True)
+            if bare.count(short) == 1
+        }
+        self.given: dict[str, str] = {}
+        for port, column in map(_assigned, words):
+            if port in self.given:
+                raise WordError(f"'{port}' has two columns")
+            self.given[port] = column
         self.used: set[str] = set()
         chosen = {self._found(column) for column in self.given.values()} - {None}
         times = [self.bare[name] for name in ("time", "t") if name in self.bare][:1]
@@ -128,8 +141,11 @@ class _Log:
         """Return the name of a column as in the file; None of a number."""
         name = column if column in self.names else self.bare.get(column)
         if name is None and _as_number(column) is None:
-            hint = f"there are: {', '.join(self.names)}"
-            raise WordError(f"{self.path} has no column '{column}'", hint=hint)
+            like = [full for full in self.names if full.partition("[")[0].strip() == column]
+            many = f"{self.path} has {len(like)} columns '{column}'"
+            message = many if like else f"{self.path} has no column '{column}'"
+            hint = f"there are: {', '.join(like or self.names)}"
+            raise WordError(message, hint=hint)
         return name
 
     def has(self, *keys: str) -> bool:
@@ -151,8 +167,14 @@ class _Log:
         return np.full(self.count, float(self.given[key]))
 
     def times(self) -> NDArray[np.float64] | None:
-        """Return the times of the periods, where the log has them."""
-        return None if self.time is None else self.columns[self.time]
+        """Return the times of the periods, s, where the log has them in a unit that is known."""
+        if self.time is None:
+            return None
+        unit = self.time.partition("[")[2].rstrip("] ") or "s"
+        if unit not in TIMES:
+            return None
+        times, per = TIMES[unit]
+        return self.columns[self.time] * times / per
 
     def demand_all_used(self) -> None:
         """Refuse a name that is no port."""
@@ -180,10 +202,17 @@ def _replay_lines(found: Replay, period: float) -> Iterator[str]:
         yield f"from period {found.gap} on the times are not {number_text(period)} s apart"
     for axis, count in found.skipped.items():
         if count:
-            yield f"axis {axis} skipped {counted(count, 'period')}: a value is not a number"
+            yield (
+                f"axis {axis} skipped {counted(count, 'period')}: a value is not a number, or"
+                " infinite where it is remembered"
+            )
     for drive in found.drives:
+        lost = found.periods - drive.compared
+        if lost:
+            yield f"{drive.drive}: not recorded in {counted(lost, 'period')}"
         if drive.parts_at is None:
-            yield f"{drive.drive}: as driven, at most {drive.worst:.3g} apart"
+            if drive.compared:
+                yield f"{drive.drive}: as driven, at most {drive.worst:.3g} apart"
             continue
         yield (
             f"{drive.drive}: parts at period {drive.parts_at}"

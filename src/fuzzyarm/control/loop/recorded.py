@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.text import ControllerText
 
@@ -18,7 +19,7 @@ CLOSE = 1e-6
 """Share of the largest recorded value within which both drives count as equal."""
 
 
-@json_properties("drive parts_at would was worst worst_at rms")
+@json_properties("drive compared parts_at would was worst worst_at rms")
 @dataclass(frozen=True, slots=True)
 class ReplayedDrive:
     """A drive of a recorded run.
@@ -27,6 +28,8 @@ class ReplayedDrive:
     ----------
     drive : str
         Its port.
+    compared : int
+        The periods in which a value was recorded.
     parts_at : int or None
         The first period in which both differ by more than the tolerance, from 0; None: they agree.
     would, was : float or None
@@ -40,6 +43,7 @@ class ReplayedDrive:
     """
 
     drive: str
+    compared: int
     parts_at: int | None
     would: float | None
     was: float | None
@@ -93,7 +97,14 @@ def replay(
         The time of each period, s.
     tolerance : float, optional
         How far both drives may be apart, in their unit; by default 1e-6 of the largest value.
+
+    Raises
+    ------
+    UsageError
+        If the tolerance is negative or not a number.
     """
+    if tolerance is not None and not 0.0 <= tolerance < math.inf:
+        raise UsageError(f"a tolerance of {tolerance:g} is out of range", hint="0 or more")
     run = text.run()
     count = min(len(values) for values in (*measured.values(), *references.values()))
     would = {name: np.empty(count) for name in driven}
@@ -113,17 +124,17 @@ def replay(
 
 
 def _compared(name: str, would: Array, was: Array, tolerance: float | None) -> ReplayedDrive:
-    apart = np.abs(would - was)
-    known = np.isfinite(apart)
+    known = ~np.isnan(was)  # an infinity is a value, far from any other
+    apart = np.where(known, np.abs(would - was), 0.0)
     if tolerance is None:
         tolerance = CLOSE * float(np.abs(was[np.isfinite(was)]).max(initial=0.0))
     beyond = np.flatnonzero(known & (apart > tolerance))
     first = int(beyond[0]) if beyond.size else None
-    apart = np.where(known, apart, 0.0)
     worst = int(apart.argmax())
     one, other = (None if first is None else float(values[first]) for values in (would, was))
     rms = math.sqrt(float(np.mean(apart[known] ** 2))) if known.any() else 0.0
-    return ReplayedDrive(name, first, one, other, float(apart[worst]), worst, rms)
+    size = float(apart[worst])
+    return ReplayedDrive(name, int(known.sum()), first, one, other, size, worst, rms)
 
 
 def _gap(times: Array, period: float) -> int | None:
