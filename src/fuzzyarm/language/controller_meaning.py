@@ -145,7 +145,8 @@ class _Scope:
         if float(every).is_integer() and 1 <= every <= MAX_EVERY:
             return int(every)
         message = f"{what} a whole number of periods, not {number_text(every)}"
-        self.scope.report("bad-set-point", message, span_of(every))
+        hint = f"from 1 to {MAX_EVERY:,}"
+        self.scope.report("bad-set-point", message, span_of(every), hint=hint)
         return 1
 
     def _claims(self) -> tuple[LoopClaim, ...]:

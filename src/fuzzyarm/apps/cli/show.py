@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -242,8 +241,10 @@ def _diff(arguments: argparse.Namespace) -> int:
     data: Any
     if isinstance(before, RuleBase) and isinstance(after, RuleBase):
         rules = compare_rulebases(before, after)
-        with suppress(UnlikeRuleBasesError):  # what differs in meaning says it
+        try:
             rules = replace(rules, outputs=apart(before, after))
+        except UnlikeRuleBasesError as error:
+            say(f"note: numbers are not compared: {error}", to_errors=True)
         data, view = rules, rulebase_diff_view(rules)
     elif isinstance(before, LookupTable) and isinstance(after, LookupTable):
         cells = compare_tables(before, after)

@@ -13,7 +13,7 @@ from fuzzyarm.apps.show.table import table_grids
 from fuzzyarm.apps.show.terms import shape_words
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text, short_bins, short_levels
-from fuzzyarm.inference.apart import Apart
+from fuzzyarm.inference.apart import SPREAD, Apart
 from fuzzyarm.language.edit.hover import rule_sentence
 from fuzzyarm.language.model.rulebase import (
     And,
@@ -235,10 +235,14 @@ def apart_words(found: Apart) -> str:
     words = f"{name}: no difference at {found.points:,} points"
     if found.worst:
         values = f"{found.before:.6g} -> {found.after:.6g}"
-        words = (f"{name}: apart by {found.worst:.4g} at {at} ({values}), RMS {found.rms:.4g};"
-                 f" the worst of {found.points:,} points")  # fmt: skip
+        words = (
+            f"{name}: apart by {found.worst:.4g} at {at} ({values}), the worst of"
+            f" {found.points:,} points; RMS {found.rms:.4g} over {SPREAD:,} spread evenly"
+        )
     if found.missing is not None:
-        at = ", ".join(f"{name_text(key)} = {value:.6g}" for key, value in found.missing.items())
+        # All digits: beside a corner the other one may have it, too.
+        ends = [f"{name_text(key)} = {number_text(value)}" for key, value in found.missing.items()]
+        at = ", ".join(ends)
         words += f"; at {at} only one has a value"
     return words
 
