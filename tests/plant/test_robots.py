@@ -22,7 +22,7 @@ from fuzzyarm.control.loop.course import Options
 from fuzzyarm.control.loop.run import ClosedLoop
 from fuzzyarm.plant.arm import UNLOADED, coriolis_matrix, forward_dynamics, inverse_dynamics
 from fuzzyarm.plant.drawings import PlantScene, drawing_of
-from fuzzyarm.plant.following import way_points
+from fuzzyarm.plant.following import trajectory_of, way_points
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import PlantError, with_parameters
 from fuzzyarm.plant.robots import RobotPlant
@@ -174,6 +174,11 @@ def test_a_file_without_actuators_is_driven_at_its_joints(tmp_path: Path) -> Non
     )
     sliding = find_plant(robot(tmp_path, kind="slide"))
     assert list(sliding.inputs) == ["hip.torque", "knee.force"]
+    strong = find_controller("ct").with_gains({"K_P": [400.0], "K_D": [40.0]})
+    run = simulate(strong, sliding, trajectory=trajectory_of(sliding, "reach", segment=0.5))
+    assert set(run.driven) == {"hip.torque", "knee.force"}
+    assert run.wanted["knee.position"][-1] == pytest.approx(0.1)
+    assert abs(run.error_matrix[-1]).max() < 1e-2
     assert sliding.outputs["knee.position"].unit == "m"
 
 
@@ -196,7 +201,11 @@ def test_actuators_give_limits_and_servos_are_left_out(tmp_path: Path) -> None:
     ("content", "message"),
     [
         ("", "my robot"),
-        ("<mujoco><worldbody>", "my robot"),
+        ("<mujoco>\n<worldbody>\n<body>\n</worldbody>", "Line number"),
+        (
+            '<mujoco><worldbody><body name="a"><joint axs="1"/></body></worldbody></mujoco>',
+            "line 1",
+        ),
         ("<mujoco><worldbody/></mujoco>", "no hinge or slide joint"),
         ('<mujoco><worldbody><body><freejoint/><geom size="1"/></body></worldbody></mujoco>', "no"),
     ],
@@ -245,6 +254,21 @@ def test_a_robot_is_drawn_with_its_set_point() -> None:
         if isinstance(part, Line)
         for x, y in zip(part.x, part.y, strict=True)
     )
+
+
+@pytest.mark.parametrize("value", [{"masses": 0.0}, {"mass_link2": -1.0}, {"load": -0.5}])
+def test_a_mass_is_positive(value: dict[str, float]) -> None:
+    with pytest.raises(PlantError, match="out of range"):
+        simulate("pd", with_parameters(find_plant(ARM), value))
+
+
+def test_mujoco_writes_no_file_and_prints_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    test_a_run_that_diverges_ends_as_one()
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_run_leaves_no_sum_behind() -> None:

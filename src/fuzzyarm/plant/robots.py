@@ -39,8 +39,8 @@ the file is the full load."""
 FACTOR = "masses"
 """The parameter that scales all masses and inertias, which controllers do not know."""
 
-MOVE = 20.0
-"""Default move of each joint, degrees."""
+MOVE, SLIDE = 20.0, 0.1
+"""Default move of each joint: degrees; of a sliding one m."""
 
 
 class RobotPlant(Plant):
@@ -91,8 +91,8 @@ class RobotPlant(Plant):
         full = _full_load(robot)
         if full:
             self.loaded_parameters = {LOAD: full}
-        rest = tuple(np.degrees([_home(robot)[place] for place in at]).round(9).tolist())
-        moved = tuple(angle + MOVE for angle in rest)
+        home = [float(_home(robot)[place]) for place in at]
+        rest, moved = zip(*map(partial(_default_move, robot), self.joints, home), strict=True)
         moves: dict[str, Callable[..., Trajectory]] = {
             "reach-return": reach_return, "pick-and-place": pick_and_place, "reach": reach
         }  # fmt: skip
@@ -120,6 +120,11 @@ class RobotPlant(Plant):
     def _compiled(self, values: Mapping[str, float]) -> Any:
         """Compile the file with other masses, gravity and load."""
         mujoco = _mujoco()
+        for name, value in values.items():
+            if value < 0.0 or (value == 0.0 and name not in ("gravity", LOAD)):
+                message = f"{name} = {value:g} of {self.name} is out of range"
+                hint = "0 or more" if name in ("gravity", LOAD) else "a positive number"
+                raise PlantError(message, name=name, hint=hint)
         note_source(self.path)
         Path(self.path).read_bytes()  # raises OSError
         try:
@@ -132,7 +137,7 @@ class RobotPlant(Plant):
                 body.explicitinertial = True
             robot = specification.compile()
         except ValueError as error:
-            reason = str(error).strip().splitlines()[0]
+            reason = ", ".join(filter(None, map(str.strip, str(error).splitlines())))
             raise PlantError(f"{self.path}: {reason}", name=self.name) from error
         for index in range(1, robot.nbody):
             name = _mass_name(robot, index)
@@ -345,6 +350,8 @@ def _mujoco() -> Any:
         os.environ.setdefault("MUJOCO_GL", "egl")
     import mujoco
 
+    # Its own handler prints, and writes a file into the working folder.
+    mujoco.set_mju_user_warning(lambda _message: None)
     return mujoco
 
 
@@ -386,6 +393,17 @@ def _outputs(robot: Any, joints: Sequence[str]) -> dict[str, Port]:
             f"{unit}/s", -10.0, 10.0, rate_of="position", bound=SPEED_BOUND
         )
     return positions | velocities
+
+
+def _default_move(robot: Any, joint: str, home: float) -> tuple[float, float]:
+    """Return start and target of a joint, within its range; of a hinge in degrees."""
+    turns, index = _turns(robot, joint), robot.joint(joint).id
+    scale, move = (180.0 / math.pi, MOVE) if turns else (1.0, SLIDE)
+    low, high = (float(x) * scale for x in robot.jnt_range[index])
+    rest = round(home * scale, 9)
+    if not robot.jnt_limited[index] or rest + move <= high:
+        return rest, rest + move
+    return rest, rest - move if rest - move >= low else round(0.5 * (rest + high), 9)
 
 
 def _turns(robot: Any, joint: str) -> bool:

@@ -36,7 +36,7 @@ from fuzzyarm.control.controllers.program import (
     Wiring,
     write_down,
 )
-from fuzzyarm.control.controllers.robot_laws import InverseDynamics, robot_law
+from fuzzyarm.control.controllers.robot_laws import EFFORTS, InverseDynamics, robot_law
 from fuzzyarm.control.controllers.text import ControllerText, gains_of, ports_of
 from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Product, SignalLine
 from fuzzyarm.plant.arm import RATIOS, motor_torque
@@ -420,7 +420,8 @@ def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
 
 def driven_plainly(site: Site) -> frozenset[Address]:
     """Return the inputs for laws and controllers in Python: torques, if the plant has some."""
-    torques = frozenset(port for port in site.interface.inputs if port[1] == "torque")
+    efforts = EFFORTS if site.model is not None else ("torque",)
+    torques = frozenset(port for port in site.interface.inputs if port[1] in efforts)
     return torques or frozenset(site.interface.inputs)
 
 
