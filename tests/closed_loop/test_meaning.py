@@ -672,3 +672,13 @@ def test_what_was_driven_before_the_start_is_refused_where_the_actuator_says_it(
     found = prove_loop(text, claim, plant=plant)
     assert found.verdict == "undecided"
     assert "begins at the start of its actuator" in found.reason
+
+
+def test_a_parameter_that_nothing_reads_is_not_claimed(folder):
+    name = plant_file(parameters="{'k': 1.0, 'm': 2.0}", rates="[u[0] - p[0] * x[0]]")
+    Path("c.frb").write_text(LAW.format(""))
+    text = load_controller("c.frb")
+    assert prove_loop(text, read_claim("stable with k in 1 .. 1.5", name)).proved
+    for span in ("2 .. 2", "1 .. 3"):
+        with pytest.raises(ClaimError, match="reads its parameter 'm'"):
+            prove_loop(text, read_claim(f"stable with m in {span}", name))

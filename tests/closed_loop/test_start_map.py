@@ -12,7 +12,7 @@ import pytest
 import fuzzyarm
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.plant import find_plant
-from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import StartMap, read_claim
 from fuzzyarm.proof.loop.cover import Cover
@@ -172,6 +172,9 @@ def test_what_is_left_of_a_box() -> None:
     ]
     assert [(box.low, box.high) for box in _remaining(whole, done)] == [((0.0, 0.5), (0.5, 1.0))]
     assert _remaining(whole, [MappedBox(whole.low, whole.high, "proved", 1)]) == []
+    for more in (((0.0, 0.0), (1.0, 1.0)), ((0.75, 0.5), (1.0, 1.0)), ((0.1, 0.6), (0.2, 0.7))):
+        with pytest.raises(LoopProofError, match="overlap"):
+            _remaining(whole, [*done, MappedBox(*more, "proved", 1)])
 
 
 @pytest.mark.parametrize("name", ["pd7", "balance", "roompi"])
@@ -287,9 +290,7 @@ def test_an_interrupted_map_of_an_odd_loop_counts_each_box_once(
 def test_a_map_is_of_one_value_of_each_parameter(tipping: tuple[Path, Path]) -> None:
     controller, plant = tipping
     with pytest.raises(ClaimError, match="no interval of a parameter, as of k"):
-        fuzzyarm.prove(
-            controller, plant=str(plant), map=True, over="x in -1 .. 1", with_=["k in 0.9 .. 1.1"]
-        )
+        fuzzyarm.prove(controller, plant=str(plant), map=True, over="x in -1 .. 1")
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 5])

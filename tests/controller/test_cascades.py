@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load_controller, simulate
+from fuzzyarm.apps.show.controller_diff import compare_controllers
 from fuzzyarm.control.controllers.floats import ReferenceRun
 from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.period import PortValue
@@ -311,3 +312,11 @@ def test_the_self_test_has_a_run_of_the_slowest_axis(precision, every):
     assert np.isfinite(rows[0, slow]).all()
     assert np.isnan(rows[0]).any()
     assert len(rows) > min(every, 100)
+
+
+def test_a_difference_of_rates_is_a_difference():
+    law = "axis a{}\n  e = error of x * K\n  drive v = e\n"
+    slow, plain = (made(HEAD + law.format(every)) for every in (" every 4", ""))
+    diff = compare_controllers(plain, slow)
+    assert not diff.same
+    assert [str(change) for change in diff.settings] == ["axis a: every 4"]

@@ -548,3 +548,11 @@ def test_a_drive_without_a_fallback_is_refused(tmp_path, capsys):
     told = refusal(capsys, "compile", path, "-o", tmp_path / "x.h", "--guard", certificate)
     assert "the drive of 'voltage' does not say what it sends once a guard refuses a state" in told
     assert "add  , on leaving 0  or  , on leaving hold" in told
+
+
+@on_servo
+def test_the_report_of_a_guarded_program_names_its_certificate(guarded, tmp_path):
+    words = [f"{guarded.folder}/servo.frb", "-o", f"{tmp_path}/s.c", "--report", f"{tmp_path}/r"]
+    assert main(["compile", *words, "--guard", f"{guarded.folder}/servo.json"]) == 0
+    settings = (tmp_path / "r" / "report.json").read_text()
+    assert f"certificate {guarded.certificate['seal']}" in settings

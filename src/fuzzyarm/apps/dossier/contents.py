@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -141,12 +141,15 @@ def _used(exported: Exported | ExportedController) -> list[Path]:
 
 def _settings(how: Making) -> dict[str, Any]:
     """Return every option, those that were left to the file as well."""
-    plain = asdict(how)
-    return {
+    plain = asdict(replace(how, certified=None))
+    settings = {
         name: value if isinstance(value, bool | int | float | str | None) else str(value)
         for name, value in plain.items()
-        if name not in ("source", "proofs")
+        if name not in ("source", "proofs", "certified")
     }
+    if how.certified is not None:
+        settings["guard"] = f"certificate {how.certified.certificate.seal}"
+    return settings
 
 
 def _functions(exported: Exported | ExportedController) -> list[ExportedFunction]:

@@ -148,6 +148,9 @@ def _settings(model: ControllerModel) -> dict[str, str]:
     settings = {"name": model.name, "period": time_text(model.period)}
     if model.every != 1:
         settings["set-point"] = f"every {model.every}"
+    for axes in model.axes:
+        if axes.every != 1:
+            settings[f"axis {', '.join(map(name_text, axes.names))}"] = f"every {axes.every}"
     settings.update({f"use {name_text(use.name)}": ", ".join(use.files) for use in model.uses})
     for partner in model.partners:
         gains = "".join(f", {name} = {number_text(value)}" for name, value in partner.gains)

@@ -231,7 +231,8 @@ def loop_problem(
     if values:
         # Equations, ports and start may read it by name: of one value they have that.
         plant = with_parameters(plant, {name: span.low for name, span in values.items()})
-        _demand_arguments(plant, {n: span for n, span in values.items() if span.low < span.high})
+        free = {name: span for name, span in values.items() if span.low < span.high}
+        _demand_arguments(plant, values, free)
     site = site_of(plant, connect)
     if text.model.partners:
         name = text.model.partners[0].name
@@ -315,14 +316,21 @@ def _with_error_bounds(interface: Interface, set_points: Mapping[Address, float]
     return replace(interface, outputs=outputs)
 
 
-def _demand_arguments(plant: Plant, free: Mapping[str, Interval]) -> None:
-    """Refuse a parameter of an interval that equations or ports read otherwise than from `p`."""
-    if not free:
-        return
+def _demand_arguments(
+    plant: Plant, chosen: Mapping[str, Interval], free: Mapping[str, Interval]
+) -> None:
+    """Refuse what nothing reads; and of an interval what is read otherwise than from `p`."""
     at = copy(plant)
     at.parameters = watched = Watched(plant.parameters)
-    _seen(at)
+    *_, roots = _seen(at)
     read = [name for name in free if name in watched.read]
+    start_of(at, np.random.default_rng(0))
+    if roots is not None:
+        used = set(symbols(*roots[0], *(roots[1] or ())))
+        for k, name in enumerate(plant.parameters):
+            if name in chosen and f"p{k}" not in used and name not in watched.read:
+                # One that `__init__` has kept, for instance: the sentence would say that it counts.
+                raise ClaimError(f"nothing of {plant.name} reads its parameter '{name}'")
     for name, span in free.items():  # of a start, which may keep what it reads
         ends = (span.low, 0.5 * span.low + 0.5 * span.high, span.high)
         first, *others = (_seen(with_parameters(plant, {name: x})) for x in ends)
@@ -334,7 +342,7 @@ def _demand_arguments(plant: Plant, free: Mapping[str, Interval]) -> None:
         )
 
 
-def _seen(plant: Plant) -> tuple[object, ...]:
+def _seen(plant: Plant) -> tuple[Any, ...]:
     """Return all that a proof knows of a plant; the start is read elsewhere."""
     ports = tuple(plant.inputs.items()), tuple(plant.outputs.items()), tuple(plant.states.items())
     return *ports, plant.longest_step, expressions_of(plant)

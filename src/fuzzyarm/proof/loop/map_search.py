@@ -292,6 +292,7 @@ class _Map:
 
     def _searched(self, case: MapCase) -> None:
         worker = MapWorker(case)
+        _remaining(worker.first, self.boxes)  # raises where those of a journal overlap
         todo = _without(worker.tiles(), self.boxes)
         worker.learn(self.boxes)
         if (self.workers == 1 and self.search.executor is None) or len(todo) < 2:
@@ -417,7 +418,8 @@ def _row(box: MappedBox) -> list[str]:
 def _read_row(row: Sequence[str]) -> MappedBox:
     *ends, verdict, periods, reason = row
     numbers = [float(x) for x in ends]
-    if verdict not in (PROVED, REFUTED) or not all(map(math.isfinite, numbers)):
+    are_sides = all(a < b for a, b in zip(numbers[::2], numbers[1::2], strict=True))
+    if verdict not in (PROVED, REFUTED) or not (are_sides and all(map(math.isfinite, numbers))):
         raise ValueError
     return MappedBox(tuple(numbers[::2]), tuple(numbers[1::2]), verdict, int(periods), reason)
 
@@ -437,9 +439,10 @@ def _is_within(part: MappedBox, box: Box) -> bool:
 
 
 def _remaining(box: Box, done: Sequence[MappedBox]) -> list[Box]:
+    """Return a box without the parts that are done; LoopProofError where those overlap."""
     if not done:
         return [box]
-    if any(part.low == box.low and part.high == box.high for part in done):
+    if len(done) == 1 and (done[0].low, done[0].high) == (box.low, box.high):
         return []
     for way in range(len(box.low)):
         halves = box.halves(way)
@@ -447,4 +450,7 @@ def _remaining(box: Box, done: Sequence[MappedBox]) -> list[Box]:
         if sum(map(len, parts)) == len(done):  # no part on both sides of the cut
             found = [_remaining(half, some) for half, some in zip(halves, parts, strict=True)]
             return found[0] + found[1]
-    return [box]
+    raise LoopProofError(
+        "the boxes of the journal overlap, or are no halves of halves of the window",
+        hint="begin anew, with another file",
+    )
