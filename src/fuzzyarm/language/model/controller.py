@@ -536,6 +536,9 @@ class ControllerModel(OfKind):
     description: str = ""
     rulebases: tuple[RuleBase, ...] = ()
     claims: tuple[LoopClaim, ...] = ()
+    _seen: dict[str, tuple[str, ...]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )  # by axis, once it is asked for; under "" those of all axes
 
     def __repr__(self) -> str:
         axes, gains = ", ".join(self.axis_names), ", ".join(gain.name for gain in self.gains)
@@ -544,9 +547,15 @@ class ControllerModel(OfKind):
 
     def seen_elsewhere(self, axis: str) -> tuple[str, ...]:
         """Return the signals of an axis that other axes read, as ``AXIS.NAME``."""
-        reads = (name for _, line in self.lines() for name in line.reads())
-        names = (seen for seen in reads if isinstance(seen, Seen) and seen.axis == axis)
-        return tuple(dict.fromkeys(seen.signal for seen in names))
+        if not self._seen:
+            signals: dict[str, dict[str, None]] = {"": {}}
+            for _, line in self.lines():
+                for name in line.reads():
+                    if isinstance(name, Seen):
+                        signals.setdefault(name.axis, {})[name.signal] = None
+                        signals[""][name.signal] = None
+            self._seen.update({axis: tuple(found) for axis, found in signals.items()})
+        return self._seen.get(axis, ())
 
     def lines(self) -> Iterator[tuple[Axes, Line]]:
         """Iterate over the lines of all axes."""
@@ -562,7 +571,7 @@ class ControllerModel(OfKind):
     @property
     def is_cascade(self) -> bool:
         """Whether an axis reads a signal of another one."""
-        return any(self.seen_elsewhere(axis) for axis in self.axis_names)
+        return bool(self.seen_elsewhere(""))
 
     @property
     def has_one_axis(self) -> bool:
