@@ -197,7 +197,7 @@ declare namespace Messages {
     page?: Array<number>;
   }
 
-  /** Where a number of a table stands, by its indices. */
+  /** The position of a number in a table, by its indices. */
   interface TableCell {
     cell: Array<number>;
   }
@@ -222,7 +222,7 @@ declare namespace Messages {
     data: string;
   }
 
-  /** A file of another program that stands in the folder. */
+  /** A file of another program in the folder. */
   interface Convert {
     name: string;
   }
@@ -417,7 +417,7 @@ declare namespace Messages {
     marks: Array<string>;
   }
 
-  /** A term; `marks` are the names under which its numbers stand. */
+  /** A term; `marks` are the names of its numbers. */
   interface SceneTerm {
     kind: string;
     parameters: Array<number | string>;
@@ -505,7 +505,7 @@ declare namespace Messages {
     cells: Array<GridCell>;
   }
 
-  /** A grid of rules, as it stands in the text. */
+  /** A grid of rules, as written in the text. */
   interface SceneGrid {
     line: number;
     output: string;

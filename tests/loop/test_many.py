@@ -435,7 +435,7 @@ def test_a_plant_that_keeps_what_does_not_travel(name, heater, tmp_path):
     np.testing.assert_array_equal(
         before.error_matrix, simulate(made, changed, **given).error_matrix
     )
-    assert (changed.parameters["loss"].value, fresh.parameters["loss"]) == (0.02, 0.01)
+    assert (changed.parameters["loss"], fresh.parameters["loss"]) == (0.02, 0.01)
     assert packed(changed)
 
 

@@ -202,7 +202,7 @@ def test_gains_of_an_integral_over_rules_are_those_of_a_pi_law() -> None:
     found = {gain.source: (gain.low, gain.unit) for gain in drive.gains}
     assert found["error of temperature"][0] == pytest.approx(0.5 * 0.4 * 100)
     assert found["integral of error of temperature"][0] == pytest.approx(0.5 * 0.4 * 0.2)
-    assert found["integral of error of temperature"][1] == "%/K s"
+    assert found["integral of error of temperature"][1] == "%/(K s)"
 
 
 def test_products_of_signals_zooms_limits_and_signs(tmp_path: Path) -> None:

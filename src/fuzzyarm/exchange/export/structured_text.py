@@ -17,7 +17,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.exchange.export.controller_lowering import ALL_NUMBERS, SETTLED, controller_program
+from fuzzyarm.exchange.export.controller_lowering import (
+    ALL_NUMBERS,
+    IN_TURN,
+    SETTLED,
+    controller_program,
+)
 from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
@@ -429,10 +434,12 @@ def _with_error(step: Function) -> Function:
     """Return the step with an output that is true in a period which an axis skips."""
 
     def told(line: Line) -> Line:
-        if not isinstance(line, When) or line.remark not in {ALL_NUMBERS, SETTLED}:
+        if not isinstance(line, When) or line.remark not in {IN_TURN, ALL_NUMBERS, SETTLED}:
             return line
-        then, otherwise = tuple(map(told, line.then)), (*line.otherwise, Assign(ERROR, Truth(True)))
-        return line._replace(then=then, otherwise=otherwise)
+        then = tuple(map(told, line.then))
+        if line.remark == IN_TURN:  # a period in which it is not its turn is none that it skips
+            return line._replace(then=then)
+        return line._replace(then=then, otherwise=(*line.otherwise, Assign(ERROR, Truth(True))))
 
     body: list[Line] = list(map(told, step.body))
     return replace(step, body=[Assign(ERROR, Truth(False)), *body]) if body != step.body else step
