@@ -89,7 +89,8 @@ def properties_of(kind: type, words: str = "") -> tuple[JsonProperty, ...]:
     found: dict[str, JsonProperty] = {}
     for word in (own and (words or own)).split():
         if word == "*":
-            found |= {name: JsonProperty(name, (name,)) for name in inner if name != "span"}
+            public = [name for name in inner if name != "span" and not name.startswith("_")]
+            found |= {name: JsonProperty(name, (name,)) for name in public}
         elif word.startswith("-"):
             del found[word[1:]]
         else:
