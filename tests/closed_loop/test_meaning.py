@@ -682,3 +682,12 @@ def test_a_parameter_that_nothing_reads_is_not_claimed(folder):
     for span in ("2 .. 2", "1 .. 3"):
         with pytest.raises(ClaimError, match="reads its parameter 'm'"):
             prove_loop(text, read_claim(f"stable with m in {span}", name))
+
+
+def test_a_certificate_of_other_parameters_is_of_the_same_plant(folder):
+    text = load_controller(shipped("servo.frb"))
+    for span in ("0.011 .. 0.011", "0.011 .. 0.0111"):
+        verdict = prove_loop(text, read_claim(f"stable with J in {span}", "motor"))
+        assert verdict.certificate is not None
+        write_certificate(verdict.certificate, "c.json")
+        assert check_certificate("c.json", text).proved

@@ -99,6 +99,8 @@ class LoopProblem:
         States that begin at the plant's start, not at that of a claim.
     unknown_start : str
         Why it is not known where those begin; empty where it is.
+    given : Plant
+        The plant before the parameters of the claim were set, as its certificate names it.
     """
 
     text: ControllerText
@@ -110,6 +112,7 @@ class LoopProblem:
     sensors: Mapping[Address, Sensor] = field(default_factory=dict)
     begins_alone: tuple[str, ...] = ()
     unknown_start: str = ""
+    given: Plant | None = None
 
     def require_known_start(self) -> None:
         """Refuse a claim about runs whose start is not one box.
@@ -227,7 +230,7 @@ def loop_problem(
     SourceError
         If the controller does not fit the plant.
     """
-    values = _chosen("parameter", parameters, plant.parameters)
+    given, values = plant, _chosen("parameter", parameters, plant.parameters)
     if values:
         # Equations, ports and start may read it by name: of one value they have that.
         plant = with_parameters(plant, {name: span.low for name, span in values.items()})
@@ -273,8 +276,9 @@ def loop_problem(
             )
     site = replace(site, interface=_with_error_bounds(interface, set_points))
     return LoopProblem(
-        text, plant, site, starts, values, set_points, effective, alone, unknown if alone else ""
-    )
+        text, plant, site, starts, values, set_points, effective, alone, unknown if alone else "",
+        given,
+    )  # fmt: skip
 
 
 def _demand_driven_from_zero(text: ControllerText, site: Site) -> None:

@@ -87,7 +87,8 @@ def certify_tube(
         whole = TubeProof(start, 0 if last is None else last + 1)
     certificate = Certificate(
         claim, text.path, fingerprints_of(text), tuple(regions), (),
-        sensors_by_name(problem), dict(connect or {}), loop_digests(text, problem.plant),
+        sensors_by_name(problem), dict(connect or {}),
+        loop_digests(text, problem.given or problem.plant),
         delays=delays_by_name(problem.plant),
     )  # fmt: skip
     try:

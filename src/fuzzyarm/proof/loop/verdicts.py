@@ -398,7 +398,7 @@ class _Case:
         certificate = Certificate(
             claim, self.text.path, fingerprints_of(self.text), (region,), (),
             sensors_by_name(maker.problem), dict(self.connect or {}),
-            loop_digests(self.text, maker.problem.plant),
+            loop_digests(self.text, maker.problem.given or maker.problem.plant),
             delays=delays_by_name(maker.problem.plant),
         )  # fmt: skip
         return self._said(PROVED, certificate=certificate, **facts), ""
