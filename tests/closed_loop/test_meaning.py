@@ -548,7 +548,16 @@ def test_a_certificate_does_not_run_code(certified):
 
 
 @pytest.mark.parametrize(
-    "name", ["../evil.py", "evil.py:Some", "evil.fmu", "gym:evil:Env-v0", "nothing"]
+    "name",
+    [
+        "../evil.py",
+        "evil.py:Some",
+        "evil.fmu",
+        "evil.xml",
+        "gym:evil:Env-v0",
+        "menagerie:evil",
+        "nothing",
+    ],
 )
 def test_no_plant_but_a_shipped_one_is_loaded_for_a_file(folder, name):
     text = law(f"prove stable on '{name}'\n")

@@ -114,6 +114,12 @@ def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
     return f"{digits_}e{int(exponent):03d}"  # as Python writes a float: 2.5e-08
 
 
+def inward_interval(low: float, high: float, digits: int) -> str:
+    """Return a proved interval in words, rounded so that it stays inside."""
+    ends = outward_text(low, up=True, digits=digits), outward_text(high, up=False, digits=digits)
+    return " .. ".join(ends)
+
+
 # --- Times ---
 
 TIMES = {

@@ -118,8 +118,13 @@ def is_relative_file(name: str) -> bool:
 
 
 def _is_file(name: str) -> bool:
-    is_file = any(end in name.lower() for end in (".py", ".frb", ".fmu"))
-    return is_file and not name.startswith(ENVIRONMENT)
+    is_file = any(end in name.lower() for end in (".py", ".frb", *SUFFIXES))
+    return is_file and not _has_prefix(name)
+
+
+def _has_prefix(name: str) -> bool:
+    """Whether a name is of another package, as ``gym:NAME``."""
+    return name.startswith(tuple(PREFIXES))
 
 
 def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -> Plant:
@@ -142,7 +147,7 @@ def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -
     if _is_file(name) and not os.path.exists(_place(name)):
         hint = "names in a controller or a certificate count from its folder"
         raise PlantError(f"there is no file '{_file(name)}'", name=name, hint=hint)
-    is_code = _is_file(name) or name.startswith(ENVIRONMENT)
+    is_code = _is_file(name) or _has_prefix(name)
     if not is_code or trust or (named is not None and same_file(name, named)):
         return find_plant(name)
     message = f"the plant '{name}' is code, which does not run because a file names it"
@@ -157,13 +162,13 @@ def same_file(name: str, other: str) -> bool:
 def _place(name: str) -> str:
     """Return the canonical file of a plant, for comparison."""
     path = _file(name)
-    return path if path.startswith(ENVIRONMENT) or "\0" in path else os.path.realpath(path)
+    return path if _has_prefix(path) or "\0" in path else os.path.realpath(path)
 
 
 def _file(name: str) -> str:
     """Return the file of ``FILE.py:CLASS``."""
     path, with_class, _ = name.rpartition(".py:")
-    return f"{path}.py" if with_class and not name.startswith(ENVIRONMENT) else name
+    return f"{path}.py" if with_class and not _has_prefix(name) else name
 
 
 def own_plant(place: str) -> Plant:

@@ -15,7 +15,7 @@ import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import number_text, outward_text
+from fuzzyarm.base.numbers import inward_interval, number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
@@ -164,15 +164,9 @@ def region_lines(
         words = ""
         if alone is not None:
             words = f" (± {outward_text(alone, up=False, digits=4)} with the others at rest)"
-        yield f"    {name} in {_inward(low, high, 4)}{words}"
+        yield f"    {name} in {inward_interval(low, high, 4)}{words}"
     if not arrival and not start_region:
         yield "  these are its farthest points; what memory starts as counts as well"
-
-
-def _inward(low: float, high: float, digits: int) -> str:
-    """Return a proved interval in words, rounded so that it stays inside."""
-    ends = outward_text(low, up=True, digits=digits), outward_text(high, up=False, digits=digits)
-    return " .. ".join(ends)
 
 
 def check_certificate(
@@ -260,7 +254,8 @@ def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
     words = [checked.statement + ("" if checked.continuous else ", as sampled")]
     if checked.region and not (checked.claim.start or checked.certificate.tubes):
         reach = [
-            f"{name} in {_inward(low, high, 6)}" for name, (low, high) in checked.region.items()
+            f"{name} in {inward_interval(low, high, 6)}"
+            for name, (low, high) in checked.region.items()
         ]
         words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
     gains = [f"{gain.name} = {gain_words(gain)}" for gain in text.model.gains]
