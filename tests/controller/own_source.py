@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.language import parse
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.sources import SOURCES, OptionKind, SourceState, source, unseen
 
@@ -53,3 +56,12 @@ def whole(word):
     """Return a controller with one source behind its error, limited at its drive."""
     lines = (example(word), "drive voltage = y + 0.001 * e, within -24 .. 24")
     return controller(*lines, head=['use R from "R.lut"'] if SOURCES[word].of == "call" else [])
+
+
+def made(text):
+    """Return the controller of a text without findings."""
+    parsed = parse(text)
+    assert not parsed.diagnostics, parsed.diagnostics
+    text, faults = with_files(parsed.controller, Path())
+    assert not faults
+    return text

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from own_source import made
 
 from fuzzyarm import load_controller, simulate
 from fuzzyarm.apps.show.controller_diff import compare_controllers
@@ -15,7 +16,6 @@ from fuzzyarm.control.controllers.floats import ReferenceRun
 from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.period import PortValue
 from fuzzyarm.control.controllers.reach import reaches_of
-from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.edit import read
@@ -45,14 +45,6 @@ axis d every 3
   e = error of y
   drive v = e
 """
-
-
-def made(text):
-    parsed = parse(text)
-    assert not parsed.diagnostics, parsed.diagnostics
-    text, faults = with_files(parsed.controller, Path())
-    assert not faults
-    return text
 
 
 def findings(text):

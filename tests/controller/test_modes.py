@@ -10,13 +10,13 @@ import pytest
 from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from own_source import made
 
 from fuzzyarm import load_controller
 from fuzzyarm.control.controllers.floats import ReferenceRun
 from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.period import PortValue
 from fuzzyarm.control.controllers.reach import reaches_of
-from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.signals import condition_text
 from fuzzyarm.plant.own import find_plant
@@ -40,14 +40,6 @@ LINES = """  auto = measured auto
   drive power = u, within 0 .. 100
   drive other = j + v
 """
-
-
-def made(text):
-    parsed = parse(text)
-    assert not parsed.diagnostics, parsed.diagnostics
-    text, faults = with_files(parsed.controller, Path())
-    assert not faults
-    return text
 
 
 def by_hand(rows):

@@ -460,10 +460,14 @@ def source_text(body: Body) -> str:
     if source.kind == CHOICE.name:
         return choice_text(source)
     (product,) = products
-    inputs = inputs_text(source.inputs) if source.record.of == "call" else ""
-    text = f"{source.kind}{source.record.joined} {signal_text(source.name)}{inputs}"
     options = options_text(source.options, source.record.options)
-    return text + _factors_text(product.factors) + options
+    return operand_text(source) + _factors_text(product.factors) + options
+
+
+def operand_text(source: Source) -> str:
+    """Return the kind of a source with its operand, without options."""
+    inputs = inputs_text(source.inputs) if source.record.of == "call" else ""
+    return f"{source.kind}{source.record.joined} {signal_text(source.name)}{inputs}"
 
 
 def names_in_source(body: Body) -> Iterator[Occurrence]:

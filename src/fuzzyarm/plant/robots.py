@@ -88,6 +88,7 @@ class RobotPlant(Plant):
         rates = [f"v{i + 1}" for i in range(robot.nv)]
         self.states = dict.fromkeys([*unlike, *rates, *(f"a{i + 1}" for i in range(robot.na))], "1")
         self.parameters = _parameters(robot)
+        self._stated = tuple(parameter(self, name).value for name in self.parameters)
         full = _full_load(robot)
         if full:
             self.loaded_parameters = {LOAD: full}
@@ -99,21 +100,14 @@ class RobotPlant(Plant):
         self.trajectories = {
             name: partial(make, angles=moved, start=rest) for name, make in moves.items()
         }
-        self.draw = self._draw
 
-    # Copies (with other parameters) and other processes compile their own model.
+    # Models belong to a thread: copies and other processes compile their own, once they run.
 
-    def __copy__(self) -> RobotPlant:
-        make, arguments = self.__reduce__()
-        other = make(*arguments)
-        assert isinstance(other, RobotPlant)
-        # Where a run begins, for instance, which belongs to no parameter.
-        vars(other).update({k: v for k, v in vars(self).items() if k.startswith("_fuzzyarm")})
-        return other
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name != "_local"}
 
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        kept = {name: getattr(self, name) for name in _KEPT}
-        return _again, (self.path, kept)
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        vars(self).update(state, _local=threading.local())
 
     # --- The model ---
 
@@ -157,16 +151,16 @@ class RobotPlant(Plant):
         mujoco.mj_setConst(robot, mujoco.MjData(robot))
         return robot
 
-    def _loaded(self, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
-        """Return model and data of some parameters; without any, those of the file."""
+    def _loaded(self, values: tuple[float, ...] = ()) -> tuple[Any, Any]:
+        """Return model and data of some parameters; by default those of the file."""
         mujoco = _mujoco()
         models: dict[Any, tuple[Any, Any]] = vars(self._local).setdefault("models", {})
+        values = values or self._stated
         if values not in models:
-            given = values or ()
-            robot = self._compiled(dict(zip(self.parameters, given, strict=False)))
+            robot = self._compiled(dict(zip(self.parameters, values, strict=False)))
             # Servos of the file would work against the controller, and a motor without a drive is
             # open: it does not brake.
-            powered = given[len(self.parameters) :] or [1.0] * len(self._own)
+            powered = values[len(self.parameters) :] or [1.0] * len(self._own)
             kept = [i for i, on in zip(self._own.values(), powered, strict=True) if on]
             others = [i for i in range(robot.nu) if i not in kept]
             robot.actuator_gainprm[others] = robot.actuator_biasprm[others] = 0.0
@@ -265,7 +259,7 @@ class RobotPlant(Plant):
         pairs += [(int(robot.site_bodyid[i]), robot.nbody + i) for i in range(robot.nsite)]
         return np.array(ends) @ _VIEW.T, pairs
 
-    def _draw(self, scene: PlantScene) -> Drawing:
+    def draw(self, scene: PlantScene) -> Drawing:
         """Draw the links from body to body, seen from the front and above."""
         names = [f"{joint}.position" for joint in self.joints]
         wanted = [scene.wanted(name) for name in names]
@@ -273,8 +267,7 @@ class RobotPlant(Plant):
         poses = [([scene.output(name) for name in names], "first", 5.0)]
         if all(angle is not None for angle in wanted):
             poses.insert(0, ([float(angle or 0.0) for angle in wanted], "wanted", 2.0))
-        points, pairs = self._points(poses[-1][0])
-        for angles, tone, width in poses:
+        for angles, tone, width in poses:  # last that of the outputs
             points, pairs = self._points(angles)
             for parent, child in pairs:
                 (x, y), (tip_x, tip_y) = points[parent], points[child]
@@ -315,18 +308,8 @@ class RobotPlant(Plant):
             raise PlantError(message, name=self.name, hint=hint) from error
 
 
-_KEPT = ("name", "inputs", "parameters", "loaded_parameters", "trajectories", "duration")
-"""What a copy may have changed."""
-
 _VIEW = np.array([[0.8, -0.6, 0.0], [0.2, 0.3, 0.93]])
 """From space to the plane of a drawing, seen from the front, right and above."""
-
-
-def _again(path: str, kept: Mapping[str, Any]) -> RobotPlant:
-    """Make the plant of a file again, with what a copy had changed."""
-    plant = RobotPlant(path)
-    vars(plant).update(kept)
-    return plant
 
 
 def menagerie(name: str) -> RobotPlant:

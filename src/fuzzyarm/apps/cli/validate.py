@@ -28,6 +28,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.command import (
@@ -119,34 +120,34 @@ class _Log:
         from fuzzyarm.learning.data import column_names, read_columns
 
         self.path, self.names = path, column_names(path)
-        bare = [name.partition("[")[0].strip() for name in self.names]
-        self.bare = {
-            short: name
-            for short, name in zip(bare, self.names, strict=True)
-            if bare.count(short) == 1
-        }
-        self.given: dict[str, str] = {}
-        for port, column in map(_assigned, words):
-            if port in self.given:
+        pairs = list(map(_assigned, words))
+        ports = [port for port, _ in pairs]
+        for port in ports:
+            if ports.count(port) > 1:
                 raise WordError(f"'{port}' has two columns")
-            self.given[port] = column
+        self.given = {port: self._found(column) for port, column in pairs}
         self.used: set[str] = set()
-        chosen = {self._found(column) for column in self.given.values()} - {None}
-        times = [self.bare[name] for name in ("time", "t") if name in self.bare][:1]
-        self.time = times[0] if times else None
-        self.columns = read_columns(path, [*filter(None, chosen | {*times})])
+        alone = [full for full in map(self._like, ("time", "t")) if len(full) == 1]
+        self.time = alone[0][0] if alone else ""
+        chosen = {column for column in self.given.values() if isinstance(column, str)}
+        self.columns = read_columns(path, [*filter(None, {*chosen, self.time})])
         self.count = max(map(len, self.columns.values()), default=0)
 
-    def _found(self, column: str) -> str | None:
-        """Return the name of a column as in the file; None of a number."""
-        name = column if column in self.names else self.bare.get(column)
-        if name is None and _as_number(column) is None:
-            like = [full for full in self.names if full.partition("[")[0].strip() == column]
-            many = f"{self.path} has {len(like)} columns '{column}'"
-            message = many if like else f"{self.path} has no column '{column}'"
-            hint = f"there are: {', '.join(like or self.names)}"
-            raise WordError(message, hint=hint)
-        return name
+    def _like(self, short: str) -> list[str]:
+        """Return the columns of a name without its unit in brackets."""
+        return [name for name in self.names if name.partition("[")[0].strip() == short]
+
+    def _found(self, column: str) -> str | float:
+        """Return the name of a column as in the file, or a number."""
+        like = [column] if column in self.names else self._like(column)
+        if len(like) == 1:
+            return like[0]
+        if not like:
+            with suppress(ValueError):
+                return float(column)
+        what = f"{len(like)} columns" if like else "no column"
+        hint = f"there are: {', '.join(like or self.names)}"
+        raise WordError(f"{self.path} has {what} '{column}'", hint=hint)
 
     def has(self, *keys: str) -> bool:
         """Whether a port is given under one of its names."""
@@ -161,14 +162,12 @@ class _Log:
             raise WordError(f"no column is named for {keys[-1]}",
                             hint=f"add  --columns {keys[-1]}=COLUMN , or a number")  # fmt: skip
         self.used.add(key)
-        name = self._found(self.given[key])
-        if name is not None:
-            return self.columns[name]
-        return np.full(self.count, float(self.given[key]))
+        column = self.given[key]
+        return self.columns[column] if isinstance(column, str) else np.full(self.count, column)
 
     def times(self) -> NDArray[np.float64] | None:
         """Return the times of the periods, s, where the log has them in a unit that is known."""
-        if self.time is None:
+        if not self.time:
             return None
         unit = self.time.partition("[")[2].rstrip("] ") or "s"
         if unit not in TIMES:
@@ -187,13 +186,6 @@ def _assigned(word: str) -> tuple[str, str]:
     if not (port and equals and column):
         raise WordError(f"'{word}' is not PORT=COLUMN")
     return port.strip(), column.strip()
-
-
-def _as_number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
 
 
 def _replay_lines(found: Replay, period: float) -> Iterator[str]:

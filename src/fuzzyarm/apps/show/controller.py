@@ -22,11 +22,16 @@ from fuzzyarm.language.model.controller import (
     Line,
     Product,
     SignalLine,
-    Source,
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.language.signals import choice_text
+from fuzzyarm.language.signals import (
+    choice_text,
+    inputs_text,
+    number_or_name,
+    operand_text,
+    signal_text,
+)
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.symbolic.sources import CHOICE
 
@@ -123,13 +128,15 @@ def line_words(line: Line, partners: Collection[str] = ()) -> str:
         names = ", ".join(map(name_text, line.names))
         return f"{names} = {definition_words(line, partners)}"
     if isinstance(line, Zoom):
-        signals = ", ".join(map(name_text, line.signals))
+        signals = ", ".join(map(signal_text, line.signals))
         wait = ", edge wait" if line.wait else ""
-        return f"zoom {signals} by {_word(line.by)} inside {_word(line.inside)}{wait}"
+        factor, window = number_or_name(line.by), number_or_name(line.inside)
+        return f"zoom {signals} by {factor} inside {window}{wait}"
     if isinstance(line, Learn):
-        inputs = ", ".join(map(name_text, line.inputs))
-        options = f"delay {line.delay}, rate {_word(line.rate)}, bound {_word(line.bound)}"
-        return f"learn {name_text(line.table)} by {name_text(line.judge)}({inputs}), {options}"
+        rate, bound = number_or_name(line.rate), number_or_name(line.bound)
+        lesson = f"learn {name_text(line.table)} by {name_text(line.judge)}"
+        options = f"delay {line.delay}, rate {rate}, bound {bound}"
+        return f"{lesson}{inputs_text(line.inputs)}, {options}"
     return f"drive {name_text(line.port)} = {definition_words(line, partners)}"
 
 
@@ -137,7 +144,7 @@ def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -
     """Return the right-hand side of a signal or a drive."""
 
     def word(value: str | float) -> str:
-        return f"partner {_word(value)}" if value in partners else _word(value)
+        return f"partner {number_or_name(value)}" if value in partners else number_or_name(value)
 
     if isinstance(line, Drive):
         limits = ""
@@ -145,7 +152,7 @@ def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -
             low, high = map(number_text, line.within)
             limits = f", within {low} .. {high}"
         slew = "" if line.slew is None else f", slew {number_text(line.slew)}"
-        events = "".join(f", on {event} {_word(value)}" for event, value in line.events)
+        events = "".join(f", on {event} {number_or_name(value)}" for event, value in line.events)
         return f"{_sum_words(line.products, word)}{limits}{slew}{events}"
     if line.source is None:
         return _sum_words(line.products, word)
@@ -153,14 +160,7 @@ def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -
         return choice_text(line.source)
     factors = "".join(_factor(factor, word) for factor in line.products[0].factors)
     options = "".join(f", {option}" for option in option_words(line.source))
-    return f"{_source_words(line.source)}{factors}{options}"
-
-
-def _source_words(source: Source) -> str:
-    kind, name = source.record, name_text(source.name)
-    if kind.of == "call":
-        return f"{source.kind} {name}({', '.join(map(name_text, source.inputs))})"
-    return f"{source.kind}{kind.joined} {name}"
+    return f"{operand_text(line.source)}{factors}{options}"
 
 
 def _sum_words(products: Sequence[Product], word: Callable[[str | float], str]) -> str:
@@ -176,10 +176,6 @@ def _sum_words(products: Sequence[Product], word: Callable[[str | float], str]) 
 
 def _factor(factor: Factor, word: Callable[[str | float], str]) -> str:
     return f" {'/' if factor.divides else '*'} {word(factor.value)}"
-
-
-def _word(value: str | float) -> str:
-    return name_text(value) if isinstance(value, str) else number_text(value)
 
 
 # --- Signal flow ---

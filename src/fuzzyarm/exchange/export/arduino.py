@@ -30,6 +30,7 @@ from fuzzyarm.exchange.export.avr import (
 from fuzzyarm.exchange.export.boards import Board, Footprint, demand_fit
 from fuzzyarm.exchange.export.c import LIBRARY, CText, controller_c, routines_c
 from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
+from fuzzyarm.exchange.export.guard import step_name
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError, Kind, c_number
 from fuzzyarm.exchange.export.routine import Routine, plain
 from fuzzyarm.exchange.export.steps import StepVariable
@@ -189,7 +190,7 @@ def board_part(program: ControllerProgram, stem: str, board: Board) -> BoardPart
     """Return a controller on a board."""
     steps, trial_run = program.steps, program.tried
     guard = program.guard
-    vectors, step = trial_run.vectors, f"{'guarded_' * (guard is not None)}step"
+    vectors, step = trial_run.vectors, step_name(guarded=guard is not None)
     library = controller_c(steps, stem, stem, LIBRARY, vectors, program.head(), guard)
     kind = C_TYPES[steps.precision.outside]
     rows = [list(row) or [0.0] for row in trial_run.vectors.inputs][:_SKETCH_CALLS]
@@ -342,7 +343,7 @@ def _controller_sketch(
         yield f"    {controller.place(port)} = {text}; {remark}"
     if drives:
         arguments.append("&drive")
-    step = "step" if program.certified is None else "guarded_step"
+    step = step_name(guarded=program.certified is not None)
     yield f"    {stem}_{step}({', '.join(arguments)});"
     yield "    show();"
     yield from ["}", ""]

@@ -19,7 +19,13 @@ import numpy as np
 
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.controller_lowering import LEFT, controller_program
-from fuzzyarm.exchange.export.guard import LEFT_REGION, SENT, RegionGuard
+from fuzzyarm.exchange.export.guard import (
+    GUARDED_STEP,
+    LEFT_REGION,
+    SENT,
+    RegionGuard,
+    step_name,
+)
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target, start_text
@@ -239,7 +245,7 @@ class CPrinter(Printer):
             given = [f"{p}_state *s", *(x for x in ports if x.startswith("const"))]
             signatures |= {
                 "left": f"bool {p}_left({', '.join(given)})",
-                "guarded": f"void {p}_guarded_step({', '.join([f'{p}_state *s', *ports])})",
+                "guarded": f"void {p}_{GUARDED_STEP}({', '.join([f'{p}_state *s', *ports])})",
             }
         if steps.learned:
             kind = C_TYPES[steps.precision.outside]
@@ -358,7 +364,7 @@ class CPrinter(Printer):
         return sum(map(_size, self.program.state.values()))
 
 
-_GUARDED = ("left", "guarded_step")
+_GUARDED = ("left", GUARDED_STEP)
 
 _FRAME = (
     "state", "gains", "reference", "measured", "drives", "init", "step", "save", "load",
@@ -421,7 +427,7 @@ class _CFunction(FunctionPrinter):
         found = zip(line.targets, steps.of_sort("drive"), strict=True)
         return [
             *(f"{self._port(variable)} = {text};" for variable, text in given),
-            f"{prefix}_{'guarded_' * line.guarded}step({passed});",
+            f"{prefix}_{step_name(guarded=line.guarded)}({passed});",
             *(self._set(target, self._port(drive), "") for target, drive in found),
         ]
 
@@ -772,7 +778,7 @@ _NAN_NEEDED = (
 
 def _use_words(printer: CPrinter, steps: Steps, text: _Text) -> list[str]:
     prefix = printer.prefix
-    step = f"{prefix}_{'guarded_' * (printer.program.guard is not None)}step"
+    step = f"{prefix}_{step_name(guarded=printer.program.guard is not None)}"
     lines = [f"{prototype};" for prototype in text.prototypes]
     lines += [
         f"constants (flash): {printer.flash} bytes, besides the code",

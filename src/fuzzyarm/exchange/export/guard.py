@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.base.numbers import number_text, outward_text
+from fuzzyarm.base.numbers import inward_interval, number_text, outward_text
 from fuzzyarm.exchange.export.steps import Steps
 from fuzzyarm.exchange.export.trial import EvaluatedController
 from fuzzyarm.exchange.export.typed_program import (
@@ -35,6 +35,9 @@ from fuzzyarm.symbolic.printing import Assign
 
 if TYPE_CHECKING:
     from fuzzyarm.proof.check.checking import Checked
+
+GUARDED_STEP = "guarded_step"
+"""Name of the step with the test before it, after the prefix."""
 
 LEFT_REGION = "left the region"
 """Symbol of the member that says so, until `init`."""
@@ -120,7 +123,7 @@ class RegionGuard:
         yield "  by floats of 32 bits or more, measured values and memory taken as they are"
         if certificate.claim.start:  # else the claim says it
             region = self.checked.region.items()
-            reach = (f"{name} in {low:.6g} .. {high:.6g}" for name, (low, high) in region)
+            reach = (f"{name} in {inward_interval(*ends, 6)}" for name, ends in region)
             yield f"  V <= 1 reaches to {', '.join(reach)}"
         names = (f"{port_label(steps, x)} = {number_text(y)}" for x, y in self.set_points.items())
         if self.set_points:
@@ -305,6 +308,11 @@ def _sum(weights: Iterable[tuple[int, float]], values: Sequence[Node]) -> Node:
     """Return Σ weight · value."""
     products = [constant(weight) * values[k] for k, weight in weights if weight]
     return reduce(add, products) if products else constant(0.0)
+
+
+def step_name(*, guarded: bool) -> str:
+    """Return the name of the function to call in each period, after the prefix."""
+    return GUARDED_STEP if guarded else "step"
 
 
 def port_label(steps: Steps, name: str) -> str:

@@ -234,8 +234,7 @@ def loop_problem(
     if values:
         # Equations, ports and start may read it by name: of one value they have that.
         plant = with_parameters(plant, {name: span.low for name, span in values.items()})
-        free = {name: span for name, span in values.items() if span.low < span.high}
-        _demand_arguments(plant, values, free)
+        _demand_arguments(plant, values)
     site = site_of(plant, connect)
     if text.model.partners:
         name = text.model.partners[0].name
@@ -320,14 +319,12 @@ def _with_error_bounds(interface: Interface, set_points: Mapping[Address, float]
     return replace(interface, outputs=outputs)
 
 
-def _demand_arguments(
-    plant: Plant, chosen: Mapping[str, Interval], free: Mapping[str, Interval]
-) -> None:
+def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
     """Refuse what nothing reads; and of an interval what is read otherwise than from `p`."""
     at = copy(plant)
     at.parameters = watched = Watched(plant.parameters)
     *_, roots = _seen(at)
-    read = [name for name in free if name in watched.read]
+    by_equations = set(watched.read)
     start_of(at, np.random.default_rng(0))
     if roots is not None:
         used = set(symbols(*roots[0], *(roots[1] or ())))
@@ -335,15 +332,22 @@ def _demand_arguments(
             if name in chosen and f"p{k}" not in used and name not in watched.read:
                 # One that `__init__` has kept, for instance: the sentence would say that it counts.
                 raise ClaimError(f"nothing of {plant.name} reads its parameter '{name}'")
-    for name, span in free.items():  # of a start, which may keep what it reads
-        ends = (span.low, 0.5 * span.low + 0.5 * span.high, span.high)
-        first, *others = (_seen(with_parameters(plant, {name: x})) for x in ends)
-        read += [name] if any(first != other for other in others) else []
-    if read:
-        raise LoopProofError(
-            f"{plant.name} reads '{read[0]}' by its name, which has one value there",
-            hint="equations get an interval of it only by their argument p",
-        )
+    for name, span in chosen.items():
+        if span.low == span.high or name not in watched.read:
+            continue
+        # A start may keep what it reads, for equations to use.
+        if name in by_equations or _differs(plant, name, span):
+            raise LoopProofError(
+                f"{plant.name} reads '{name}' by its name, which has one value there",
+                hint="equations get an interval of it only by their argument p",
+            )
+
+
+def _differs(plant: Plant, name: str, span: Interval) -> bool:
+    """Whether equations or ports are others at another value of a parameter."""
+    ends = (span.low, 0.5 * span.low + 0.5 * span.high, span.high)
+    first, *others = (_seen(with_parameters(plant, {name: x})) for x in ends)
+    return any(first != other for other in others)
 
 
 def _seen(plant: Plant) -> tuple[Any, ...]:

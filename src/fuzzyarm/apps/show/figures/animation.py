@@ -182,15 +182,17 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     move = _redraw(run, right)
     name, end = run_words(run.controller, run.plant), float(run.time[-1])
 
+    has_camera = picture_of(plant, PlantScene(run, 0)) is not None  # not tried for each frame
+
     def draw(index: int) -> list[Any]:
         axes.clear()
         axes.set_title(safe(f"{name}, {time_words(float(run.time[index]), end)} s"), fontsize=9)
         scene = PlantScene(run, index)
-        picture, drawing = picture_of(plant, scene), drawing_of(plant, scene)
+        picture = picture_of(plant, scene) if has_camera else None
         if picture is not None:
             axes.imshow(picture)
             axes.set_axis_off()
-        elif drawing is not None:
+        elif (drawing := drawing_of(plant, scene)) is not None:
             draw_thing(axes, drawing)
         move(index)
         return []
