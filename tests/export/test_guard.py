@@ -551,6 +551,7 @@ def test_a_drive_without_a_fallback_is_refused(tmp_path, capsys):
 
 
 @on_servo
+@needs.requires("gcov")
 def test_the_report_of_a_guarded_program_names_its_certificate(guarded, tmp_path):
     words = [f"{guarded.folder}/servo.frb", "-o", f"{tmp_path}/s.c", "--report", f"{tmp_path}/r"]
     assert main(["compile", *words, "--guard", f"{guarded.folder}/servo.json"]) == 0
