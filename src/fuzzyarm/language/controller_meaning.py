@@ -68,6 +68,7 @@ class _Scope:
         # Whether unreadable lines may define the missing names.
         self.unread = any(map(_is_unread, nodes))
         self.turned: list[Drive] = []
+        self.complete = True
 
     def controller(self) -> tuple[ControllerModel, list[Diagnostic]]:
         """Read everything."""
@@ -77,7 +78,7 @@ class _Scope:
         uses = tuple(node for node in self.nodes if isinstance(node, Use))
         complete = not self.broken and not self.unread  # an unreadable line may use a name
         names = ControllerNames(self.statements, self.rulebase, self.scope, complete=complete)
-        self.turned = names.turned
+        self.turned, self.complete = names.turned, names.complete
         axes = self._axes()
         count = max(1, sum(len(axis.names) for axis in axes))
         gains = [self._gain(node, count) for node in self.nodes if isinstance(node, GainModel)]
@@ -96,7 +97,7 @@ class _Scope:
             self._claims(),
         )
         self._judge_whole(heading, model)
-        if complete:
+        if self.complete:
             self.scope.diagnostics += doubts_of_lines(model)
         return model, self.scope.diagnostics
 
@@ -430,7 +431,7 @@ class _Scope:
             return
         for axis in model.axes:
             serves = axis.ports("drive") or any(map(model.seen_elsewhere, axis.names))
-            if not serves and "drive" not in self.broken:
+            if not serves and self.complete:
                 self.scope.report(
                     "no-drives",
                     f"axis {', '.join(axis.names)} drives nothing",

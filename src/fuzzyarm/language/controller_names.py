@@ -83,7 +83,9 @@ class ControllerNames:
         for index, (node, _, in_hole) in enumerate(statements):
             if isinstance(node, Axes):
                 close()
-                self.signals, self.later = {}, _signals_behind(nodes[index + 1 :])
+                # Lines above the first axis are reported as such: their names count as its own.
+                self.signals = {} if axes else self.signals
+                self.later = _signals_behind(nodes[index + 1 :])
                 axes = list(node.names)
                 for name in mentions(node):
                     self._declare(name, self.axes)
@@ -168,13 +170,15 @@ class ControllerNames:
             if word not in self.above[axis]:
                 what, known = f"signal of the axis '{axis}'", self.above[axis]
                 self.scope.unknown("unknown-signal", what, word, name.span, known)
+                self.complete = False  # the signal that was meant has a reader
         elif axis in self.axes:
             message = f"the axis '{axis}' is not above this line"
             hint = "a signal of the axis at hand is written without its axis"
             self.scope.report("signal-before-made", message, name.span, hint=hint)
         else:
-            new = f"outputs of rules are  {name_text(word)} = rules NAME(e, ce)"
+            new = f"an outer axis comes first:  axis {name_text(axis)}"
             self.scope.unknown("unknown-signal", "axis above", axis, name.span, self.above, new)
+            self.complete = False
 
     def _is_turned(self, node: Drive) -> bool:
         """Report a drive that names its signal before its port."""
