@@ -457,6 +457,8 @@ class Follower:
                 before = self._outputs_at(states, parameters, time)
                 length = self.period / parts  # of a power of two: exact
                 for index in range(parts):
+                    if self.stop.now:  # one period may be many steps
+                        raise EnclosureError("time is over")
                     begin = time + index * length
                     step = self.flow.step(state, constants, begin, length, self.order)
                     after = self._outputs_at(step.end, parameters, begin + length)
