@@ -457,10 +457,8 @@ class Follower:
                 before = self._outputs_at(states, parameters, time)
                 length = self.period / parts  # of a power of two: exact
                 for index in range(parts):
-                    if self.stop.now:  # one period may be many steps
-                        raise EnclosureError("time is over")
                     begin = time + index * length
-                    step = self.flow.step(state, constants, begin, length, self.order)
+                    step = self._step(state, constants, begin, length)
                     after = self._outputs_at(step.end, parameters, begin + length)
                     over = self._outputs_between(
                         (before, after), step, parameters, begin, begin + length
@@ -491,6 +489,14 @@ class Follower:
                 if parts >= MOST_PARTS:
                     raise
                 parts *= 2
+
+    def _step(
+        self, state: Forms, constants: Mapping[str, Forms], begin: float, length: float
+    ) -> Step:
+        """Return one step of the flow; a period may be many, so that each looks at the time."""
+        if self.stop.now:
+            raise EnclosureError("time is over")
+        return self.flow.step(state, constants, begin, length, self.order)
 
     @staticmethod
     def _most(step: Step) -> int:
