@@ -30,7 +30,7 @@ from fuzzyarm.apps.cli.cite import Cited
 from fuzzyarm.apps.cli.convert import Conversion, ScriptConversion
 from fuzzyarm.apps.cli.learn import Learned
 from fuzzyarm.apps.cli.start import ShippedFile
-from fuzzyarm.apps.cli.sweep import SweepReport
+from fuzzyarm.apps.cli.sweep import SweepComparison, SweepReport
 from fuzzyarm.apps.dossier import ExportReport
 from fuzzyarm.apps.grading import Grade, HiddenLine
 from fuzzyarm.apps.show.controller_diff import ControllerDiff
@@ -396,6 +396,8 @@ OUTPUTS = (
     Output("simulate-gains", "simulate CONTROLLER --show-gains", "the gains of a controller", None,
            _GAINS),
     Output("sweep", "sweep CONTROLLER --sweep NAME=A..B:N", "many runs", SweepReport),
+    Output("sweep-controllers", "sweep CONTROLLER OTHER… --sweep NAME=A..B:N",
+           "the same many runs of several controllers", SweepComparison),
     Output("compare", "compare CONTROLLER…", "controllers on the arm", list[Compared], _COST),
     Output("compare-runs", "compare CONTROLLER… --reference …",
            "runs of controllers along the same references", list[Run]),

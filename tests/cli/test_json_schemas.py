@@ -192,6 +192,22 @@ CALLS = {
     "simulate-list": [["simulate", "--list"]],
     "simulate-gains": [["simulate", SERVO, "--show-gains"]],
     "sweep": [["sweep", SERVO, "--plant", "motor", "--sweep", "J=0.01..0.02:2"]],
+    "sweep-controllers": [
+        [
+            "sweep",
+            "pd",
+            "pid",
+            "fuzzy-lut",
+            "--segment",
+            "0.3",
+            "--hold",
+            "0.1",
+            "--sweep",
+            "payload=0..1:2",
+            "--sweep",
+            "K_P=20..800:2",
+        ]
+    ],
     "compare": [["compare", "pd", "fuzzy-lut", "--operations"]],
     "compare-runs": [["compare", SERVO, "--plant", "motor", "--step", "1", "--for", "50ms"]],
     "tune": [

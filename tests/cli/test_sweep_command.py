@@ -239,7 +239,7 @@ def test_figures_show_where_runs_diverge(tmp_path, capsys, names):
         np.testing.assert_array_equal(values[0], rms)
     else:
         np.testing.assert_array_equal(lost, diverged.any(axis=1))
-    figure = sweep_figure(many, over)
+    figure = sweep_figure([many], over)
     assert f"{int(lost.sum())} of {lost.size} points diverge" in figure.get_suptitle()
     words = ["sweep", "pid", *SHORT, "--sweep", "payload=0..2:3", "--sweep", "K_I=1..1e4:4 log"]
     file = tmp_path / "map.png"

@@ -142,3 +142,15 @@ def test_an_import_that_comes_late_turns_nobody_away(page, slow, tmp_path):
     until(lambda: page.locator("header select option[value='brought.frb']").count(), "it is there")
     page.locator(".findings").get_by_text("no findings").wait_for()
     assert page.locator("header select").input_value() == "pd7.frb"
+
+
+def test_others_are_swept_beside_the_open_controller(page, slow):
+    further(page, "Sweep")
+    until(button(page, "Sweep").is_enabled, "what may be swept is known")
+    sweep = page.locator("#view-sweep")
+    sweep.get_by_label("Against", exact=True).fill("servo.frb")
+    sweep.get_by_role("combobox", name="Ranges").fill("J=0.01..0.05:3")
+    sweep.get_by_label("Duration", exact=True).fill("0.2s")
+    button(page, "Sweep").click()
+    sweep.get_by_text("Done.").wait_for()
+    sweep.get_by_text("servo (late.frb) against servo (servo.frb): better in 0").wait_for()

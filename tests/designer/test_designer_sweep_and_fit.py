@@ -70,6 +70,28 @@ def test_the_file_of_a_sweep_has_the_bytes_of_the_command(page, monkeypatch, cap
     assert kept["servo-sweep.csv"] == (page.folder / "runs.csv").read_bytes()
 
 
+def test_others_run_beside_the_open_text_as_by_the_command(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    softer = (page.folder / "servo.frb").read_text().replace("G_u  = 4.5", "G_u  = 2")
+    (page.folder / "softer.frb").write_text(softer)
+    asked = {"sweep": [RANGES[1]], "duration": "0.2s", "plant": "motor"}
+    news = result(page.do("sweep", "servo.frb", against="softer.frb", **asked))
+    command = ["sweep", "servo.frb", "softer.frb", "--plant", "motor", "--for", "0.2s"]
+    assert main([*command, "--sweep", RANGES[1], "-o", "runs.csv"]) == 0
+    assert news["lines"] == capsys.readouterr().out.splitlines()[:-1]
+    (panel,) = news["panels"]
+    labels = [part["label"] for part in panel["parts"] if part["is"] == "line"]
+    assert labels == ["servo (servo.frb)", "servo (softer.frb)"]
+
+
+@pytest.mark.parametrize("other", ["../servo.frb", "own.py", "nobody", "tipper.frb"])
+def test_others_are_of_the_folder_or_of_the_catalogue(page, other):
+    (page.folder / "own.py").write_text("raise SystemExit('executed')")
+    asked = {"sweep": [RANGES[1]], "duration": "0.2s", "against": other}
+    last = page.do("sweep", "servo.frb", **asked)[-1]
+    assert (last["end"], last["field"]) == ("failed", "against"), last
+
+
 def test_drawn_runs_have_no_map_and_of_three_ranges_the_first_two_are_drawn(page):
     drawn = result(page.do("sweep", "servo.frb", random="3", duration="0.05s"))
     assert drawn["panels"] == []

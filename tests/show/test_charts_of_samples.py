@@ -52,7 +52,7 @@ def many():
 
 
 def test_a_map_hatches_what_diverged_and_parts_it_from_the_rest(many):
-    (panel,) = sweep_chart(many, [PAYLOAD, GAIN]).panels
+    (panel,) = sweep_chart([many], [PAYLOAD, GAIN]).panels
     (cells,), (border,) = panel.of(Cells), panel.of(Line)
     assert cells.size == (3, 5)
     assert cells.has_edges
@@ -68,13 +68,13 @@ def test_a_map_hatches_what_diverged_and_parts_it_from_the_rest(many):
     assert [row.count(HATCH) for row in rows[:3]] == [7, 7, 7]
     assert float(rows[0].split()[0]) == 100.0  # the middle of the uppermost cells
     assert text.rstrip().endswith("diverged")
-    figure = chart_figure(sweep_chart(many, [PAYLOAD, GAIN]))
+    figure = chart_figure(sweep_chart([many], [PAYLOAD, GAIN]))
     assert (figure.axes[0].get_xscale(), figure.axes[0].get_yscale()) == ("linear", "log")
     assert figure.axes[1].get_ylabel() == "rms, degrees"
 
 
 def test_a_curve_over_one_name_shades_what_diverged(many):
-    (panel,) = sweep_chart(many, [GAIN]).panels  # the worst over payload
+    (panel,) = sweep_chart([many], [GAIN]).panels  # the worst over payload
     (line,), (dots,), bands = panel.of(Line), panel.of(Dots), panel.of(Band)
     np.testing.assert_array_equal(np.isnan(line.y), [False, False, True, True, True])
     assert len(dots.x) == 5
@@ -84,7 +84,7 @@ def test_a_curve_over_one_name_shades_what_diverged(many):
     ]
     rows = plain_text(panel_view(panel, 60, 8), 70).splitlines()
     assert rows[-1].split()[0] == f"{edges_of(GAIN)[0]:.4g}"
-    (data,) = chart_data(sweep_chart(many, [GAIN]))
+    (data,) = chart_data(sweep_chart([many], [GAIN]))
     assert json.loads(json.dumps(data, allow_nan=False)) == data
     assert data["across"]["logarithmic"]
 

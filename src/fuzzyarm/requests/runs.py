@@ -65,6 +65,7 @@ class SweepRequest(ManyRuns, Workers, ExperimentRequest):
     """Run a controller many times, over ranges; see ``fuzzyarm sweep``."""
 
     controller: str = option("controller CONTROLLER", "name, sum or file")
+    against: tuple[str, ...] = option("against OTHER", "others, in the same runs", ())
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -68,7 +68,7 @@ step in the loop. Both are for the arm.
 On a plant without trajectories (that of --plant, or the shipped one with the axes of the
 controllers), and with --reference or --step on any, they follow the same references, with the
 options of `fuzzyarm simulate`; the table has the metrics of each run, and --plot draws the
-runs side by side.
+runs side by side. Over ranges of parameters, loads and noise see `fuzzyarm sweep`.
 
 Examples
 --------

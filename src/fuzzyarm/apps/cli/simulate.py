@@ -142,11 +142,10 @@ def _print_notes(name: str) -> None:
 
 
 def _sweep(request: SimulateWords) -> int:
-    if len(request.controller) > 1 or request.given(("csv", "show_gains", "animate", "watch")):
-        raise UsageError(
-            "--sweep takes one controller, not --csv, --animate, --watch or --show-gains"
-        )
-    return sweep(request.as_kind(SweepWords, controller=request.controller[0]))
+    if request.given(("csv", "show_gains", "animate", "watch")):
+        raise UsageError("--sweep does not take --csv, --animate, --watch or --show-gains")
+    first, *others = request.controller
+    return sweep(request.as_kind(SweepWords, controller=first, against=others))
 
 
 def _require_pictures(request: SimulateWords) -> None:

@@ -6,6 +6,13 @@ NAME is a gain of the controller, a parameter of the plant (plant.NAME where bot
 disturbance, noise.PORT, delay.PORT or resolution.PORT, and for a plant with a load, such as the
 arm, payload: 0 for none, 1 for that of --payload, 2 for twice as much.
 
+With several controllers all run under the same changes and seeds. The table has median and worst of
+--metric over all runs of each, and how many failed: diverged, or without a value, such as the
+settling time of a loop that does not settle; the median takes these as infinite. Below it, the runs
+in which the first controller is better than each of the others, and the swept values at which it
+always is. Better is a smaller value on every output. A gain is swept in each controller that has
+it. --set NAME=A..B:N is the same as --sweep NAME=A..B:N.
+
 -o writes a line for each run. After an interruption it has the first part of the file, and
 --resume writes the rest. Results do not depend on the number of workers.
 
@@ -13,6 +20,7 @@ Examples
 --------
   fuzzyarm sweep stfc --sweep payload=0..2:21 --sweep "G_e=100..3000:12 log" -o sweep.csv
   fuzzyarm sweep stfc --sweep payload=0..2:21 --sweep G_e=100..3000:12 --plot map.png
+  fuzzyarm sweep pd stfc ct+pd --sweep m_2=1..3:9 --sweep payload=0..2:9 --plot maps.png
   fuzzyarm sweep servo.frb --plant motor --sweep J=0.005..0.03 --sweep R=1..4 --random 1000
   fuzzyarm sweep heater.frb --plant mine.py:Kiln --random 200 --noise temperature=0.2
   fuzzyarm sweep stfc --sweep payload=0..2:200 -o sweep.csv --dask tcp://scheduler:8786
@@ -45,6 +53,7 @@ from fuzzyarm.requests.runs import SweepRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.control.loop.many import Many
+    from fuzzyarm.control.loop.robustness import PairedComparison, Robustness
     from fuzzyarm.control.loop.sweep import Range
 
 
@@ -69,33 +78,33 @@ class SweepWords(SweepRequest, _Output):
 def sweep(request: SweepWords) -> int:
     """Run a sweep; return the exit status."""
     _require_sensible(request)
-    from fuzzyarm.control.loop.many import many_of
     from fuzzyarm.control.loop.sweeps import answered, cluster, map_axes, sweep_of
 
     plan = sweep_of(request)
-    for note in plan.bench.loop.notes():
+    for note in dict.fromkeys(note for bench in plan.benches for note in bench.loop.notes()):
         print_error(f"note: {note}")
     axes = map_axes(request, plan) if request.plot else ()
     file = plan.file(request.out) if request.out else None
+    names = ", ".join([request.controller, *request.against])
     with (
-        announced(f"sweeping {request.controller}: {counted(plan.count, 'run')}"),
+        announced(f"sweeping {names}: {counted(plan.count, 'run')}"),
         cluster(request) as (executor, workers),
         steps_bar("runs", plan.count) as moved,
     ):
         answer = answered(plan, file, request.replaced(workers=workers), executor, moved)
     faults = list(answer.faults)
-    many = many_of(plan.bench, plan.changes, answer.rows)
-    if len(many):
+    results = plan.results(answer.rows)
+    if results:
         if request.json:
-            print_json(SweepReport(many, plan.ranges, request.metric, request.out))
+            print_json(_report(results, plan.ranges, request))
         else:
-            say(*_as_text(many, request))
-    if request.plot and len(many):
-        faults += attempted(lambda: _plot(many, axes, request))
+            say(*_as_text(results, request))
+    if request.plot and results:
+        faults += attempted(lambda: _plot(results, axes, request))
     for fault in faults:
         print_error(fault)
     if answer.interrupted:
-        done = f"{len(many)} of {counted(plan.count, 'run')}"
+        done = f"{len(answer.rows)} of {counted(plan.count, 'run')}"
         journal = (
             "with -o they are kept" if file is None else f"{file.path} has them, --resume goes on"
         )
@@ -105,7 +114,7 @@ def sweep(request: SweepWords) -> int:
         return 1
     from fuzzyarm.apps.show.sweep import lost_runs
 
-    return DIVERGED if 0 < len(many) == lost_runs(many) else 0
+    return DIVERGED if all(len(many) == lost_runs(many) for many in results) and results else 0
 
 
 def _require_sensible(request: SweepWords) -> None:
@@ -121,17 +130,25 @@ def _require_sensible(request: SweepWords) -> None:
 # --- Results ---
 
 
-def _plot(many: Many, axes: tuple[Range, ...], request: SweepWords) -> None:
+def _report(
+    results: list[Many], ranges: tuple[Range, ...], request: SweepWords
+) -> SweepReport | SweepComparison:
+    if len(results) > 1:
+        return SweepComparison(tuple(results), ranges, request.metric, request.out)
+    return SweepReport(results[0], ranges, request.metric, request.out)
+
+
+def _plot(results: list[Many], axes: tuple[Range, ...], request: SweepWords) -> None:
     from fuzzyarm.apps.show.figures import save_figure
     from fuzzyarm.apps.show.figures.sweep import sweep_figure
 
-    save_figure(sweep_figure(many, axes, request.metric), request.plot or "")
+    save_figure(sweep_figure(results, axes, request.metric), request.plot or "")
 
 
-def _as_text(many: Many, request: SweepWords) -> list[str]:
+def _as_text(results: list[Many], request: SweepWords) -> list[str]:
     from fuzzyarm.apps.show.sweep import sweep_lines
 
-    lines = sweep_lines(many, request.metric)
+    lines = sweep_lines(results, request.metric)
     return [*lines, f"wrote {request.out}"] if request.out else lines
 
 
@@ -187,6 +204,52 @@ class SweepReport:
     def rows(self) -> tuple[tuple[Any, ...], ...]:
         """All runs; without -o."""
         return () if self.file else tuple(zip(*self.many.columns().values(), strict=True))
+
+
+@json_properties("plant trajectory runs sweep outputs metric controllers pairs file")
+@dataclass(frozen=True)
+class SweepComparison:
+    """Report on the same many runs of several controllers."""
+
+    results: tuple[Many, ...]
+    sweep: tuple[Range, ...] = entry("in the order of the runs, the last one fastest")
+    metric: str = entry("by which controllers are judged")
+    file: str | None = entry("the written file")
+
+    @property
+    def plant(self) -> str:
+        """Its name."""
+        return self.results[0].plant
+
+    @property
+    def trajectory(self) -> str:
+        """Its name, or the references."""
+        return self.results[0].trajectory
+
+    @property
+    def runs(self) -> int:
+        """Of each controller."""
+        return len(self.results[0])
+
+    @property
+    def outputs(self) -> dict[str, str]:
+        """Units by output."""
+        return dict(zip(self.results[0].outputs, self.results[0].units, strict=True))
+
+    @property
+    def controllers(self) -> list[Robustness]:
+        """Of each controller, each output."""
+        from fuzzyarm.control.loop.robustness import robustness
+
+        return robustness(self.results, self.metric)
+
+    @property
+    def pairs(self) -> list[PairedComparison]:
+        """Of the first controller with each of the others."""
+        from fuzzyarm.control.loop.robustness import paired_comparison
+
+        first, *others = self.results
+        return [paired_comparison(first, other, self.metric) for other in others]
 
 
 COMMANDS = (

@@ -112,8 +112,8 @@ TUNE = RequestForm(
 )  # fmt: skip
 SWEEP = RequestForm(
     SweepRequest,
-    ("plant", "reference", "duration", "trajectory", "payload", "sweep", "random", "metric",
-     "map", "seed"),
+    ("against", "plant", "reference", "duration", "trajectory", "payload", "sweep", "random",
+     "metric", "map", "seed"),
     AROUND,
     open="controller",
 )  # fmt: skip

@@ -17,7 +17,7 @@ from fuzzyarm.requests.runs import SweepRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.base.picture import Chart
-    from fuzzyarm.control.controllers.controller import CompiledController
+    from fuzzyarm.control.controllers.controller import CompiledController, Controller
     from fuzzyarm.control.loop.many import Many
     from fuzzyarm.control.loop.sweeps import Sweep
     from fuzzyarm.language.model.controller import ControllerModel
@@ -58,7 +58,6 @@ def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
 def sweep(session: Session, record: FormWork, job: WindowJob) -> None:
     """Run, and tell the result."""
     from fuzzyarm.apps.show.sweep import sweep_lines
-    from fuzzyarm.control.loop.many import many_of
     from fuzzyarm.control.loop.sweeps import answered
 
     request, plan = _plan(session, record, job)
@@ -74,11 +73,11 @@ def sweep(session: Session, record: FormWork, job: WindowJob) -> None:
         job.check()  # stopping it is not a fault of a run
         if not len(answer.rows):
             raise StoppedError("stopped")
-        many = many_of(plan.bench, plan.changes, answer.rows)
-        charts = _charts(plan, request, many)
-        lines = [*sweep_lines(many, request.metric), *answer.faults]
+        results = plan.results(answer.rows)
+        charts = _charts(plan, request, results) if results else []
+        lines = [*(sweep_lines(results, request.metric) if results else []), *answer.faults]
         if answer.interrupted:
-            lines.append(f"stopped after {len(many):,} of {plan.count:,} runs")
+            lines.append(f"stopped after {len(answer.rows):,} of {plan.count:,} runs")
         tell_result(job, lines, charts, files={file.path.name: file.path.read_bytes()})
         if answer.interrupted:
             raise StoppedError("stopped")
@@ -86,23 +85,37 @@ def sweep(session: Session, record: FormWork, job: WindowJob) -> None:
 
 def _plan(session: Session, record: FormWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
     """Return the request and its runs; a mistake is said at its field."""
+    from fuzzyarm.control.controllers.own import name_apart
     from fuzzyarm.control.loop.sweeps import sweep_of
 
     controller, model = _controller(session)
     path = Path(session.path)
     request = SWEEP.request(record.form, path.parent, controller=path.name)
+    with at_field("against"):
+        others = [_other(name, job) for name in request.against]
+        name_apart([request.controller, *request.against], [controller, *others])
     with at_field("plant"):
         plant = plant_named(request.plant or "", model, job.plants)
         request = request.replaced(plant=request.plant or plants_for(model, job.plants)[0]["name"])
     request = request_on(plant, request)
     with at_field("sweep"):
-        plan = sweep_of(request, controller)
+        plan = sweep_of(request, [controller, *others])
     if plan.count > MOST_RUNS:
         words = f"{plan.count:,} runs are out of range here: up to {MOST_RUNS:,}"
         raise FieldError(words, field="sweep", hint="fuzzyarm sweep takes more")
     if request.map:
         _axes(plan, request)
     return request, plan
+
+
+def _other(name: str, job: WindowJob) -> Controller:
+    """Return a controller of the catalogue or of a file of the folder; no Python is executed."""
+    from fuzzyarm.control.controllers.catalogue import CATALOGUE
+    from fuzzyarm.control.controllers.own import find_controller
+
+    if name in CATALOGUE:
+        return find_controller(name)
+    return _controller(job.folder.session(name))[0]
 
 
 def _axes(plan: Sweep, request: SweepRequest) -> Any:
@@ -115,10 +128,10 @@ def _axes(plan: Sweep, request: SweepRequest) -> Any:
         return map_axes(request, plan)
 
 
-def _charts(plan: Sweep, request: SweepRequest, many: Many) -> list[Chart]:
+def _charts(plan: Sweep, request: SweepRequest, results: list[Many]) -> list[Chart]:
     """Return the picture of runs on a grid; None for runs with random values."""
     from fuzzyarm.apps.show.sweep import sweep_chart
 
     if request.random is not None:
         return []
-    return [sweep_chart(many, _axes(plan, request), request.metric)]
+    return [sweep_chart(results, _axes(plan, request), request.metric)]

@@ -88,6 +88,12 @@ def find_controllers(
 ) -> list[Controller]:
     """Make several controllers; equal names of files are made distinct."""
     controllers = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
+    name_apart(names, controllers)
+    return controllers
+
+
+def name_apart(names: Sequence[str], controllers: Sequence[Controller]) -> None:
+    """Give controllers of one name that of their files, as far as these differ."""
     names_by_law: dict[str, set[str]] = {}
     for name, law in zip(names, controllers, strict=True):
         names_by_law.setdefault(law.name, set()).add(name)
@@ -95,7 +101,6 @@ def find_controllers(
         others = names_by_law[law.name]
         if len(others) > 1 and name != law.name:
             law.name = f"{law.name} ({_shortest(name, others)})"
-    return controllers
 
 
 def _shortest(path: str, others: Collection[str]) -> str:

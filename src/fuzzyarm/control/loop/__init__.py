@@ -16,6 +16,12 @@ from fuzzyarm.control.loop.course import Motion, Options, Sensor
 from fuzzyarm.control.loop.many import Many, SweepError
 from fuzzyarm.control.loop.metrics import Metrics
 from fuzzyarm.control.loop.reference import Signal, read_signal
+from fuzzyarm.control.loop.robustness import (
+    PairedComparison,
+    Robustness,
+    paired_comparison,
+    robustness,
+)
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate, simulate_many
 
@@ -25,15 +31,19 @@ __all__ = [
     "Metrics",
     "Motion",
     "Options",
+    "PairedComparison",
     "Portrait",
+    "Robustness",
     "Run",
     "Sensor",
     "Signal",
     "SweepError",
     "describing_function",
     "nonlinearity",
+    "paired_comparison",
     "phase_portrait",
     "read_signal",
+    "robustness",
     "simulate",
     "simulate_many",
 ]

@@ -135,7 +135,7 @@ def _number_of(text: str, word: str) -> float:
             return value
     hint = "as in K_P=120 or K_P=120,80"
     if ".." in text:
-        hint = "--sweep NAME=LOW..HIGH:COUNT runs over a range"
+        hint = "fuzzyarm sweep takes ranges, as in --sweep NAME=LOW..HIGH:COUNT"
     raise UsageError(f"--set {word}: '{text}' is not a number", hint=hint)
 
 

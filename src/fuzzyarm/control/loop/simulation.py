@@ -288,7 +288,9 @@ def simulate_many(
     demand_arguments("simulate_many", keywords, ManyKeywords, ("controller", "plant", "runs"))
     if isinstance(controller, SweepRequest):
         demand_alone("simulate_many", plant, tuple(runs) or None, keywords)
-        return swept(controller)
+        if controller.against:
+            raise RequestError("against", "is for the command", hint="call it for each controller")
+        return swept(controller)[0]
     changes, count = columns_of(runs)
     bench = Bench(experiment_of(controller, plant, **keywords), list(changes))
     executor = keywords.get("executor")

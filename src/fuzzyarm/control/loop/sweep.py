@@ -203,4 +203,10 @@ class SweepFile:
 
     def _front(self, run: int) -> list[str]:
         values = [column[run].item() for column in self.columns.values()]
-        return [str(run), *("" if math.isnan(value) else repr(value) for value in values)]
+        return [str(run), *map(_cell, values)]
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if math.isnan(value) else repr(value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -33,6 +33,7 @@ from fuzzyarm.control.loop.many import (
     Vector,
     check_extremes,
     many_of,
+    owner_of,
     seeds_of,
     stream,
 )
@@ -47,34 +48,71 @@ from fuzzyarm.requests.runs import SweepRequest, Workers
 
 @dataclass(frozen=True)
 class Sweep:
-    """A prepared sweep: the bench, the swept values, and all that determines the results."""
+    """A prepared sweep: benches, swept values, and all that determines the results.
 
-    bench: Bench
+    Each controller has a bench. The runs of all are numbered one controller after the other.
+    """
+
+    benches: tuple[Bench, ...]
     ranges: tuple[Range, ...]
     changes: Mapping[str, Vector]
-    count: int
+    each: int
+    """Runs of each controller."""
     question: Mapping[str, Any]
 
+    @property
+    def count(self) -> int:
+        """Number of runs of all controllers."""
+        return self.each * len(self.benches)
+
+    @property
+    def width(self) -> int:
+        """Numbers in a row: the time of divergence, and the metrics of each output."""
+        return 1 + len(self.benches[0].outputs) * len(METRICS)
+
+    def changes_of(self, bench: Bench) -> dict[str, Vector]:
+        """Return the swept values that a controller has; it lacks gains of the others."""
+        return {name: values for name, values in self.changes.items() if name in bench.owners}
+
     def file(self, path: str) -> SweepFile:
-        """Return the journal of the sweep."""
+        """Return the journal of the sweep; that of several begins with the controller."""
+        bench, several = self.benches[0], len(self.benches)
         front: dict[str, Any] = {
-            name: values for name, values in self.changes.items() if name != "seed"
+            name: np.tile(values, several)
+            for name, values in self.changes.items()
+            if name != "seed"
         }
-        front["seed"] = seeds_of(self.bench, self.changes, self.count)
-        return SweepFile(path, self.question, front, self.bench.outputs, self.bench.column_units)
+        front["seed"] = np.tile(seeds_of(bench, self.changes, self.each), several)
+        if several > 1:
+            names = [each.loop.controller.name for each in self.benches]
+            front = {"controller": np.repeat(names, self.each), **front}
+        return SweepFile(path, self.question, front, bench.outputs, bench.column_units)
+
+    def results(self, rows: Vector) -> list[Many]:
+        """Return the results of the first runs.
+
+        Of one controller these runs, of several a record for each one that has all its runs.
+        """
+        if len(self.benches) == 1:
+            return [many_of(self.benches[0], self.changes, rows)] if len(rows) else []
+        begins = range(0, len(rows) - self.each + 1, self.each)
+        return [
+            many_of(bench, self.changes, rows[begin : begin + self.each])
+            for bench, begin in zip(self.benches, begins, strict=False)
+        ]
 
 
-def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Sweep:
-    """Return the sweep of a request; `controller` replaces the one it names."""
+def sweep_of(request: SweepRequest, controllers: Sequence[Controller] = ()) -> Sweep:
+    """Return the sweep of a request; `controllers` replace those it names."""
     require_sensible(request)
-    if controller is None:
-        (controller,) = controllers_of(request, [request.controller])
-    request, plant = with_plant(request, [controller])
-    (controller,), plant = with_settings(request, [controller], plant)
+    request = _with_ranges(request)
+    laws = list(controllers) or controllers_of(request, [request.controller, *request.against])
+    request, plant = with_plant(request, laws)
+    laws, plant = with_settings(request, laws, plant)
     along = follows(request, plant)
     plant, options = with_drives(request, plant)
     shared: dict[str, float] = {}
-    on: Any
+    on: FollowedPlant | None = None
     if along:
         trajectory = trajectory_of_request(request, plant)
         if not request.way_points:
@@ -84,21 +122,52 @@ def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Swe
         on = FollowedPlant(plant, trajectory)
         if request.payload or request.loaded:
             shared["payload"] = 1.0
-    else:
-        on = motion_of(request, controller, plant)
-    ranges, changes, count = _ranges(request)
-    experiment = Experiment(
-        controller,
-        on,
-        request.loaded or None,
-        shared,
-        conventions_of(request),
-        options,
-        connect=connections(request),
-    )
-    bench = Bench(experiment, list(changes))
-    files = files_named(request) | _files_of_controller(bench)
-    return Sweep(bench, ranges, changes, count, question_of(request.question(), files))
+    ranges, changes, count = _ranges(request, len(laws))
+    gains = {name for name in changes if owner_of(name, laws, plant) == "gain"}
+    benches = []
+    files = files_named(request)
+    for law in laws:
+        experiment = Experiment(
+            law,
+            on or motion_of(request, law, plant),
+            request.loaded or None,
+            shared,
+            conventions_of(request),
+            options,
+            connect=connections(request),
+        )
+        lacked = {name for name in gains if owner_of(name, [law], plant) != "gain"}
+        benches.append(Bench(experiment, [name for name in changes if name not in lacked]))
+        files |= _files_of_controller(benches[-1])
+    _require_comparable(benches)
+    question = question_of(request.question(), files)
+    return Sweep(tuple(benches), ranges, changes, count, question)
+
+
+def _with_ranges(request: SweepRequest) -> SweepRequest:
+    """Return a request with ``--set NAME=A..B:N`` as the range that it is."""
+    ranges = tuple(word for word in request.set if ".." in word)
+    settings = tuple(word for word in request.set if ".." not in word)
+    return request.replaced(sweep=(*request.sweep, *ranges), set=settings)
+
+
+def _require_comparable(benches: Sequence[Bench]) -> None:
+    """Raise WordError for controllers of other references, or judged by other outputs."""
+    first, *others = benches
+    for other in others:
+        tasks = {bench.loop.controller.name: _task(bench) for bench in (first, other)}
+        if _task(first) != _task(other):
+            words = [
+                f"{name} {task}, judged by {outputs}" for name, (task, outputs) in tasks.items()
+            ]
+            message = f"the controllers have different tasks: {'; '.join(words)}"
+            raise WordError(message, hint="--reference PORT=SIGNAL gives all of them one")
+
+
+def _task(bench: Bench) -> tuple[str, str]:
+    """Return what a controller follows, and the outputs by which it is judged."""
+    outputs = zip(bench.outputs, bench.units, strict=True)
+    return bench.motion.name, " and ".join(f"{name} in {unit}" for name, unit in outputs)
 
 
 def require_sensible(request: SweepRequest) -> None:
@@ -125,15 +194,18 @@ def map_axes(request: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
     return tuple(ranges[name] for name in names)
 
 
-def _ranges(request: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], int]:
+def _ranges(
+    request: SweepRequest, controllers: int
+) -> tuple[tuple[Range, ...], dict[str, Vector], int]:
     ranges = tuple(map(read_range, request.sweep))
     if request.random is not None:
         return ranges, whole(drawn(ranges, request.random, request.seed)), request.random
     if not ranges:
         raise UsageError("nothing is swept", hint="--sweep NAME=A..B:N, or --random N")
     count = math.prod(interval.count or 1 for interval in ranges)
-    if count > MOST_RUNS:
-        raise WordError(f"a grid of {count:,} runs is out of range: up to {MOST_RUNS:,}")
+    if count * controllers > MOST_RUNS:
+        message = f"a grid of {count * controllers:,} runs is out of range: up to {MOST_RUNS:,}"
+        raise WordError(message)
     return ranges, whole(grid(ranges)), count
 
 
@@ -182,15 +254,12 @@ def answered(
     moved : callable, optional
         Called with the number of completed runs.
     """
-    check_extremes(sweep.bench, sweep.changes)
-    rows = np.empty((sweep.count, 1 + len(sweep.bench.outputs) * len(METRICS)))
+    for bench in sweep.benches:
+        check_extremes(bench, sweep.changes_of(bench))
+    rows = np.empty((sweep.count, sweep.width))
     count, faults, interrupted = begun(file, rows, resume=request.resume), list[str](), False
-    runs = stream(
-        sweep.bench, sweep.changes, sweep.count, begin=count, executor=executor,
-        workers=request.workers,
-    )  # fmt: skip
     try:
-        with closing(runs) as parts:
+        with closing(_streamed(sweep, count, executor, request.workers)) as parts:
             for first, part in parts:
                 rows[first : first + len(part)] = part
                 # After a failed write the file would have a gap.
@@ -209,6 +278,23 @@ def answered(
         if file is not None:
             file.close()
     return Answer(rows[:count], faults, interrupted)
+
+
+def _streamed(
+    sweep: Sweep, begin: int, executor: Executor | None, workers: int | None
+) -> Generator[tuple[int, Vector], None, None]:
+    """Yield the rows of the runs from `begin` on, one controller after the other."""
+    for number, bench in enumerate(sweep.benches):
+        before = number * sweep.each
+        if begin >= before + sweep.each:
+            continue
+        runs = stream(
+            bench, sweep.changes_of(bench), sweep.each, begin=max(0, begin - before),
+            executor=executor, workers=workers,
+        )  # fmt: skip
+        with closing(runs) as parts:
+            for first, rows in parts:
+                yield before + first, rows
 
 
 def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
@@ -246,8 +332,8 @@ def cluster(workers: Workers) -> Iterator[tuple[Executor | None, int | None]]:
         yield client.get_executor(), workers.workers or sum(client.ncores().values()) or 1
 
 
-def swept(request: SweepRequest) -> Many:
-    """Return the runs of a request; a file records them, too."""
+def swept(request: SweepRequest) -> list[Many]:
+    """Return the runs of each controller of a request; a file records them, too."""
     sweep = sweep_of(request)
     file = sweep.file(request.out) if request.out else None
     with cluster(request) as (executor, workers):
@@ -256,7 +342,7 @@ def swept(request: SweepRequest) -> Many:
         raise KeyboardInterrupt
     if answer.faults:
         raise SweepFaultError(answer.faults[0])
-    return many_of(sweep.bench, sweep.changes, answer.rows)
+    return sweep.results(answer.rows)
 
 
 class SweepFaultError(FuzzyarmError, RuntimeError):

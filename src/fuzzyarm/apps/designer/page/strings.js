@@ -32,6 +32,7 @@ export const S = {
     digits: ["Digits of numbers"],
     linear: ["Tune a linear PD, too"],
     tune: ["What may move"],
+    against: ["Against", "pd other.frb"],
     sweep: ["Ranges", "G_e=2..60:12"],
     random: ["Runs drawn at random"],
     metric: ["Metric", "rms"],

@@ -15,6 +15,6 @@ if TYPE_CHECKING:
     from fuzzyarm.control.loop.sweep import Range
 
 
-def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figure:
+def sweep_figure(results: Sequence[Many], over: Sequence[Range], metric: str = "rms") -> Figure:
     """Draw a metric over one or two of the swept names; see :func:`sweep_chart`."""
-    return chart_figure(sweep_chart(many, over, metric))
+    return chart_figure(sweep_chart(results, over, metric))
