@@ -15,8 +15,10 @@ from own_source import made
 from fuzzyarm import load_controller
 from fuzzyarm.control.controllers.floats import ReferenceRun
 from fuzzyarm.control.controllers.on_plant import site_of
+from fuzzyarm.control.controllers.own import find_controller
 from fuzzyarm.control.controllers.period import PortValue
 from fuzzyarm.control.controllers.reach import reaches_of
+from fuzzyarm.control.loop.run import ClosedLoop, plant_motion
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.signals import condition_text
 from fuzzyarm.plant.own import find_plant
@@ -118,6 +120,60 @@ def test_the_heater_changes_its_mode_without_a_bump_either_way():
     changes = [abs(power[k] - power[k - 1]) for k in (40, 120, 180)]
     assert max(changes) < 1.0
     assert min(power[201:]) == 0.0  # and back from the limit it goes on at once
+
+
+def room_by_hand(turns):
+    """Return temperature and power of the heater in a room, without fuzzyarm.
+
+    `turns` are mode, rate by hand and number of periods, one after the other.
+    """
+    air = wall = 15.0
+    u, before, found = 0.0, None, []
+    for auto, hand, count in turns:
+        for _ in range(count):
+            e = 21.0 - air
+            slope = 0.0 if before is None else (e * 8.0 - before) / 10.0
+            before = e * 8.0
+            u = min(max(u + (e * 0.02 + slope if auto else hand) * 10.0, 0.0), 100.0)
+            found.append((air, u))
+            air, wall = rk4(lambda x, u=u: heat(*x, u), (air, wall), 10.0)
+    return np.array(found)
+
+
+def heat(air, wall, power):
+    to_wall = (air - wall) / 0.008
+    lost = (air - 5.0) / 0.05
+    return (0.01 * 2000.0 * power - to_wall - lost) / 2.5e5, (to_wall - (wall - 5.0) / 0.02) / 4e6
+
+
+def rk4(rate, x, h):
+    """Return the state after one step."""
+
+    def beyond(slope, step):
+        return tuple(a + step * b for a, b in zip(x, slope, strict=True))
+
+    a = rate(x)
+    b = rate(beyond(a, 0.5 * h))
+    c = rate(beyond(b, 0.5 * h))
+    d = rate(beyond(c, h))
+    whole = zip(x, a, b, c, d, strict=True)
+    return tuple(y + h / 6.0 * (p + 2.0 * q + 2.0 * r + s) for y, p, q, r, s in whole)
+
+
+def test_in_a_room_it_is_that_of_an_independent_simulation_through_its_modes():
+    text, room = find_controller(str(EXAMPLES / "manual-heater.frb")), find_plant("room")
+    motion = plant_motion(text, room, {"temperature": "step:21"}, 7200.0)
+    loop = ClosedLoop(text, motion)
+    turns = [(1, 0.0, 200), (0, 0.05, 120), (0, -0.5, 60), (1, 0.0, 340)]
+    run, done = loop.open(), 0
+    for auto, hand, count in turns:
+        run.take_over(text.with_gains({"auto": [auto], "raise": [hand]}))
+        done += count
+        run.advance(done)
+    answer, found = loop.answer(run), room_by_hand(turns)
+    assert np.abs(answer.outputs["temperature"] - found[:, 0]).max() < 1e-12
+    assert np.abs(answer.drives["power"] - found[:, 1]).max() < 1e-12
+    assert found[379, 1] == 0.0  # the hand went to the limit
 
 
 LEAVES = st.one_of(

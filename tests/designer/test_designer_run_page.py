@@ -1,6 +1,7 @@
 """The view Run in a browser: it starts, moves, is pushed, tuned by slider and stopped."""
 
 import re
+from pathlib import Path
 
 import pytest
 from needs import requires
@@ -15,9 +16,9 @@ pytestmark = [
 ]
 
 
-def open_run(served, browser, name, **options):
-    """Open a shipped file in the view Run; its faults are kept."""
-    address = put(served, f"{name}.frb", shipped(f"{name}.frb").read_text())[1]
+def open_run(served, browser, name, text="", **options):
+    """Open a text, or a shipped file, in the view Run; its faults are kept."""
+    address = put(served, f"{name}.frb", text or shipped(f"{name}.frb").read_text())[1]
     context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
     context.set_default_timeout(60_000)
     page = context.new_page()
@@ -190,5 +191,77 @@ def test_a_rule_base_runs_on_the_arm_and_a_dragged_corner_counts(served, browser
     if AXE.exists():
         page.evaluate(AXE.read_text())
         assert violations(page) == []
+    assert page.faults == []
+    page.context.close()
+
+
+# --- The examples of delays, rates and modes, by the mouse ---
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "controllers"
+
+
+def start_example(page, name):
+    page.locator(".run").get_by_role("button", name="Start").click()
+    until(lambda: clock(page) > 0, f"{name} runs")
+
+
+def slide(page, gain, share):
+    """Click a slider at a share of its length."""
+    box = page.get_by_label(gain, exact=True).bounding_box()
+    page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+
+
+def test_the_cascade_of_three_rates_is_clicked_pushed_and_holds(served, browser):
+    text = (EXAMPLES / "cascade-servo.frb").read_text("utf-8")
+    page = open_run(served, browser, "cascade-servo", text)
+    page.get_by_role("tab", name="Design").click()
+    page.locator(".diagram .block.gain", has_text="K_s").click()
+    row = text.splitlines().index("  amps = e * K_s + load")
+    head = "designer.text.view.state.doc.lineAt(designer.text.view.state.selection.main.head)"
+    assert page.evaluate(f"{head}.number") == row + 1
+    page.get_by_role("tab", name="Run").click()
+    start_example(page, "the cascade")
+    until(lambda: abs(final_error(page)) < 1e-3, "it arrives")
+    box = page.locator(".run-picture canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y + 40, steps=3)
+    until(lambda: abs(final_error(page)) > 0.01, "it gives way")
+    page.mouse.up()
+    until(lambda: abs(final_error(page)) < 1e-3, "it comes back")
+    assert page.faults == []
+    page.context.close()
+
+
+def test_the_heater_is_taken_by_hand_and_given_back(served, browser):
+    text = (EXAMPLES / "manual-heater.frb").read_text("utf-8")
+    page = open_run(served, browser, "manual-heater", text)
+    page.locator(".run").get_by_label("open end").check()
+    start_example(page, "the heater")
+    until(lambda: abs(final_error(page)) < 0.3, "it is warm")
+    slide(page, "auto", 0.02)
+    until(lambda: re.search(r"gain auto  = 0", text_of(page)), "by hand")
+    page.get_by_text("The text of now runs.").wait_for()
+    slide(page, "raise", 0.98)
+    until(lambda: final_error(page) < -1.0, "the hand heats")
+    slide(page, "auto", 0.98)
+    until(lambda: abs(final_error(page)) < 0.3, "and the controller cools again")
+    assert page.faults == []
+    page.context.close()
+
+
+def test_the_predictor_meets_a_dead_time_that_is_typed_in(served, browser):
+    text = (EXAMPLES / "smith-heater.frb").read_text("utf-8")
+    page = open_run(served, browser, "smith-heater", text)
+    run = page.locator(".run")
+    run.get_by_text("Sensors, actuators and disturbances").click()
+    run.get_by_label("Delay of actuators", exact=True).fill("power=10min")
+    run.get_by_label("Duration", exact=True).fill("2h")
+    start_example(page, "the predictor")
+    page.get_by_text("the time asked for").wait_for()
+    assert abs(final_error(page)) < 0.1
+    row = page.locator(".metrics tr", has=page.get_by_role("rowheader", name="overshoot"))
+    assert float(row.locator("td").text_content().split()[0]) < 0.05
     assert page.faults == []
     page.context.close()

@@ -408,21 +408,28 @@ static void report(unsigned long last)
 """
 
 
-def turned(library: Path, folder: Path, *, steps: int, jump: str = "") -> tuple[int, int]:
-    """Run a servo so many steps in simavr; return the microseconds and the overruns.
+def turned(
+    library: Path, folder: Path, *, steps: int, jump: str = "", idle: float = 0.0
+) -> tuple[int, int]:
+    """Run a controller so many steps in simavr; return the microseconds and the overruns.
 
-    The clock wraps round on the way, and `jump` is done once, halfway.
+    The clock wraps round on the way, and `jump` is done once, halfway. Before each step the clock
+    skips so many idle seconds.
     """
-    text = (library / "examples" / "servo_example" / "servo_example.ino").read_text("utf-8")
+    name = library.name
+    sketch = library / "examples" / f"{name}_example" / f"{name}_example.ino"
+    text = sketch.read_text("utf-8")
     text = text.replace("\nvoid setup()", f"{_SET_OFF}\nvoid setup()")
     wrapping = "timer0_overflow_count = 4194304UL - 60; // 61 ms before micros() wraps\n    "
-    text = text.replace("    servo_init(", f"    {wrapping}servo_init(")
+    text = text.replace(f"    {name}_init(", f"    {wrapping}{name}_init(")
+    skipped = f"cli(); timer0_overflow_count += (unsigned long)SECONDS({idle}); sei();"
     counted = (
         "    if (steps == 0) { first = micros(); }\n"
         f"    if (++steps == {steps}) {{ report(micros()); }}\n"
         f"    if (steps == {steps // 2}) {{ {jump} }}\n"
+        f"    {skipped if idle else ''}\n"
     )
-    text = text.replace("    servo_step(", f"{counted}    servo_step(")
+    text = text.replace(f"    {name}_step(", f"{counted}    {name}_step(")
     said = run_sketch_text(library, f"#include <Arduino.h>\n#include <avr/sleep.h>\n{text}", folder)
     found = re.search(r"steps (\d+) us (\d+) late (\d+)", said)
     assert found, said
@@ -438,18 +445,54 @@ def test_in_simavr_a_period_is_kept_or_its_overruns_are_counted(
     monkeypatch.chdir(tmp_path)
     room = tmp_path_factory.mktemp("core")
     for name, period in (("kept", "2 ms"), ("lost", "1 ms")):
+        Path(name).mkdir()
         with monkeypatch.context() as patch:
             patch.setattr(avr.shutil, "which", lambda name: None)
-            assert main(["compile", servo_of(period), "--for", "arduino", "-o", name]) == 0
-    micros, late = turned(Path("kept").resolve(), room, steps=301)
+            out = f"{name}/servo"
+            assert main(["compile", servo_of(period), "--for", "arduino", "-o", out]) == 0
+    kept, lost = Path("kept", "servo").resolve(), Path("lost", "servo").resolve()
+    micros, late = turned(kept, room, steps=301)
     assert late == 0
     assert abs(micros - 300 * 2_000) < 2_000
     # 1.65 ms a turn in a period of 1 ms: no turn is idle, and every other one is a period late.
-    micros, late = turned(Path("lost").resolve(), room, steps=301)
+    micros, late = turned(lost, room, steps=301)
     assert 300 * 1_400 < micros < 300 * 1_900
     assert late in range(140, 161)
     # A delay of 36 minutes, over half of what the clock counts: one overrun, and on it goes.
     jump = "cli(); timer0_overflow_count += (unsigned long)SECONDS(2200.0); sei();"
-    micros, late = turned(Path("kept").resolve(), room, steps=301, jump=jump)
+    micros, late = turned(kept, room, steps=301, jump=jump)
     assert late == 1
     assert abs(micros - 2_200_000_000 - 300 * 2_000) < 6_000
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "controllers"
+
+
+@pytest.mark.slow(seconds=15)
+@pytest.mark.parametrize(
+    ("name", "period", "steps"),
+    [("smith-heater", 30.0, 41), ("manual-heater", 10.0, 41), ("cascade-servo", 0.0006, 501)],
+)
+def test_the_everyday_examples_run_on_an_uno_at_their_period(
+    tmp_path, monkeypatch, capsys, tmp_path_factory, name, period, steps
+):
+    need_avr(core=True)
+    monkeypatch.chdir(tmp_path)
+    text = (EXAMPLES / f"{name}.frb").read_text("utf-8").replace("period 0.2 ms", "period 0.6 ms")
+    stem = name.replace("-", "_")
+    Path(f"{stem}.frb").write_text(text, "utf-8")
+    assert main(["compile", f"{stem}.frb", "--for", "arduino", "-o", stem, "--json"]) == 0
+    measured = json.loads(capsys.readouterr().out)["measured"]
+    assert measured["self_test"] is True  # all that it remembers, over 24 periods
+    library, idle = Path(stem).resolve(), max(0.0, period - 0.02)
+    micros, late = turned(library, tmp_path_factory.mktemp("core"), steps=steps, idle=idle)
+    assert late == 0
+    assert abs(micros - (steps - 1) * period * 1e6) < 2_000
+
+
+def test_a_cascade_that_an_uno_is_too_slow_for_is_refused(tmp_path, monkeypatch, capsys):
+    need_avr()
+    monkeypatch.chdir(tmp_path)
+    cascade = str(EXAMPLES / "cascade-servo.frb")
+    assert main(["compile", cascade, "--for", "arduino", "-o", "cascade"]) == 1
+    assert "a period of 560 µs holds it" in capsys.readouterr().err
