@@ -332,7 +332,7 @@ def test_the_head_says_what_is_proved_of_which_plant(guarded):
         "stable on motor, as sampled; for starts in an ellipsoid that reaches to position in",
         "guard: V of position, velocity, the least over current",
         "every state with V <= 1 passes; one that passes has such a V <= 1 + 1.8",
-        "of the set points position = 0, velocity = 0; with others it refuses",
+        "of the set points position = 0, velocity = 0; with others or NaN it refuses",
         "after a state that it refuses: voltage = 0, until init",
         f"plant motor, SHA-256 of its equations {digest}",
         "servo_guarded_step every 0.001 s",
@@ -530,7 +530,7 @@ def test_only_what_has_a_guard_gets_one(guarded, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("--from", "position in 0.4 .. 0.41"), "of tubes from starts outside its region"),
+        (("--from", "position in 0.4 .. 0.41"), "of tubes, and a guard is made of a region alone"),
         (("--sensor-delay", "position=1ms"), "the sensor of 'position' does not give the state"),
         (("--continuous",), "of the loop in continuous time"),
     ],

@@ -265,11 +265,11 @@ def _unlike(arguments: argparse.Namespace, before: Model, after: Model) -> WordE
     """Return the refusal to compare two files, with a comparable one as a hint."""
     from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 
-    hint = "compile the rule base"
+    hint = "give two rule bases, two tables or two controllers; compile makes a table of rules"
     for path, model in ((arguments.before, before), (arguments.after, after)):
         if isinstance(model, ControllerText):
             files = " or ".join(typed(str(file)) for file in sheet_files(model))
-            hint = f"{path} looks up {files or 'no other file'}"
+            hint = f"{path} looks up {files}" if files else hint
     message = f"a {_kind_of(before)} and a {_kind_of(after)} cannot be compared"
     return WordError(message, hint=hint)
 

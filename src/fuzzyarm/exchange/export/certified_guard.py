@@ -106,10 +106,10 @@ def _demand_region(checked: Checked) -> None:
     """Refuse a certificate of anything but one region of the sampled loop."""
     certificate = checked.certificate
     if certificate.tubes:
-        what = "a map" if certificate.window else "tubes from starts outside its region"
+        what = "a map" if certificate.window else "tubes"
         raise ExportError(
             f"the certificate is of {what}, and a guard is made of a region alone",
-            hint="prove --stable --certificate, without --map and --from",
+            hint="prove --stable --certificate, without --map, --from and --claim",
         )
     if certificate.continuous:
         raise ExportError(

@@ -127,14 +127,14 @@ class RegionGuard:
             yield f"  V <= 1 reaches to {', '.join(reach)}"
         names = (f"{port_label(steps, x)} = {number_text(y)}" for x, y in self.set_points.items())
         if self.set_points:
-            yield f"  of the set points {', '.join(names)}; with others it refuses"
+            yield f"  of the set points {', '.join(names)}; with others or NaN it refuses"
         sent = (
             f"{port_label(steps, x)} {'holds' if y is None else f'= {number_text(y)}'}"
             for x, y in self.fallback.items()
         )
         yield f"  after a state that it refuses: {', '.join(sent)}, until init"
         first = " nor is the first one, in which a memory has no value" * bool(self.untested)
-        yield f"  a period with a value that is not a number is not tested{first}"
+        yield f"  a period with a measured value that is not a number is not tested{first}"
         equations = certificate.digests["plant"]
         yield f"  plant {certificate.claim.plant}, SHA-256 of its equations {equations}"
         files = self.checked.files.items() - certificate.fingerprints.items()

@@ -194,7 +194,10 @@ class FormMaker:
         """
         algebra = self._algebra(choice)
         if continuous and self.memory:
-            raise NotAffineError(f"in continuous time it has no {self.memory[0]}")
+            raise NotAffineError(
+                f"a loop that remembers '{self.memory[0]}' runs in periods, not in continuous time",
+                hint="leave out --continuous",
+            )
         names = [*self.problem.states, *self.memory]
         states = {name: variable(name, self.rest[name]) for name in names}
         try:
