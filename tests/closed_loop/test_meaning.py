@@ -509,7 +509,7 @@ def test_a_line_of_a_file_does_not_run_code(folder):
     name = plant_file()
     text = law(f"prove on '{name}': y in -1 .. 1 during 0 .. 20 ms\n")
     Path(name).write_text(EVIL + Path(name).read_text(encoding="utf-8"), encoding="utf-8")
-    (claim,) = text.model.claims
+    (claim,) = text.claims
     for judge in (
         lambda: prove_loop(text, claim),
         lambda: prove(text, claim),
@@ -562,13 +562,13 @@ def test_a_certificate_does_not_run_code(certified):
 def test_no_plant_but_a_shipped_one_is_loaded_for_a_file(folder, name):
     text = law(f"prove stable on '{name}'\n")
     with pytest.raises(PlantError, match=r"is code, which does not run|no file|no plant"):
-        prove_loop(text, text.model.claims[0])
+        prove_loop(text, text.claims[0])
 
 
 @pytest.mark.parametrize("name", ["a\0.py", "a\0.py:Some", "a\0.fmu"])
 def test_a_name_that_no_path_can_have_is_no_plant(folder, name):
     text = law(f"prove stable on '{name}'\n")
-    (claim,) = text.model.claims
+    (claim,) = text.claims
     with pytest.raises(PlantError, match=r"no plant|no file"):
         claimed_plant(claim, "other.py")
     with pytest.raises(PlantError, match=r"no plant|no file"):

@@ -1,5 +1,6 @@
 """The period and the set points of a text hold on the arm; errors between and beside set points."""
 
+import json
 import math
 
 import numpy as np
@@ -14,7 +15,7 @@ from fuzzyarm.control.controllers import controller
 from fuzzyarm.control.controllers.catalogue import controller_in
 from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, timing_on
 from fuzzyarm.control.controllers.program import SourceError
-from fuzzyarm.control.loop import Options, Signal, simulate, simulate_many
+from fuzzyarm.control.loop import Options, Sensor, Signal, simulate, simulate_many
 from fuzzyarm.control.loop.along import trajectory_motion
 from fuzzyarm.language import read_text
 from fuzzyarm.plant import PLAIN, STUDY, Arm, reach_return, through
@@ -243,3 +244,33 @@ def test_the_command_says_all_three(capsys):
     assert lines == ["rms", "all periods", "path", "max", "final"]
     assert main(["simulate", str(shipped("servo.frb")), "--plant", "motor", "--for", "100ms"]) == 0
     assert "path" not in capsys.readouterr().out
+
+
+# --- The command ---
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "keywords"),
+    [
+        ("stfc", ["--segment", "0.3", "--hold", "0.1"], {"trajectory": True}),
+        ("servo", ["--plant", "motor", "--for", "0.2s"], {"plant": "motor", "duration": 0.2}),
+        (
+            "tanks", ["--plant", "tanks", "--for", "30s", "--noise", "level2=0.01"],
+            {"plant": "tanks", "duration": 30.0,
+             "options": Options(sensors={"level2": Sensor(noise=0.01)})},
+        ),
+    ],
+)  # fmt: skip
+def test_the_command_prints_the_metrics_of_the_run_in_python(name, words, keywords, capsys):
+    given = dict(keywords)
+    if given.pop("trajectory", False):
+        given["plant"] = reach_return(segment=0.3, hold=0.1)
+        controller = name
+    else:
+        controller = str(shipped(f"{name}.frb"))
+    assert main(["simulate", controller, *words, "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    run = simulate(controller, **given)
+    for metric in ("rms", "rms_periods", "rms_path"):
+        assert printed[metric] == getattr(run, metric).tolist()
+    assert printed["metrics"] == {key: each.to_dict() for key, each in run.metrics.items()}

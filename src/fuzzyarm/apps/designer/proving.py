@@ -44,7 +44,7 @@ def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
     controller, rulebase = session.reading.parsed.controller, session.reading.parsed.rulebase
     outputs: list[str] = []
     if controller is not None:
-        lines = len(controller.claims)
+        lines = len(controller.claim_lines)
     elif rulebase is not None:
         lines, outputs = len(rulebase.properties), [output.name for output in rulebase.outputs]
     else:
@@ -196,7 +196,7 @@ class _LoopProof:
         with at_field("claim" if request.claim is not None else "stable"):
             if wants_loop(request):
                 return [claim_of(self._with_plant(), dashes="")]
-        if not self.text.model.claims:
+        if not self.text.claims:
             raise TextRefusedError(
                 "the text has no `prove` lines",
                 hint="write one, or a claim such as `stable on motor`",

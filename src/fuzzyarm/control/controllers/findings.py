@@ -172,7 +172,7 @@ def sound_part(
     nodes = [statement.node for statement in document.statements]
     broken = [x for x in nodes if isinstance(x, Broken) and x.keyword not in CHANGING]
     lines = [line for _, line in model.lines()]
-    parts: list[_Spanned] = [*model.gains, *model.uses, *model.claims, *lines, *broken]
+    parts: list[_Spanned] = [*model.gains, *model.uses, *model.claim_lines, *lines, *broken]
     if not all(any(_is_in(span, part.span) for part in parts) for span in wrong):
         return None
 
@@ -186,7 +186,7 @@ def sound_part(
     known |= {rulebase.name for rulebase in model.rulebases}
     axes = tuple(replace(axes, lines=_sound_lines(axes, sound(axes.lines), known))
                  for axes in model.axes)  # fmt: skip
-    return replace(model, axes=axes, gains=gains, uses=uses, claims=())
+    return replace(model, axes=axes, gains=gains, uses=uses, claim_lines=())
 
 
 def _untuned(gain: GainModel, wrong: Sequence[Span]) -> GainModel:
@@ -706,7 +706,7 @@ def plants_in_words(axes: Iterable[str]) -> Mapping[tuple[str, str], str]:
 
 def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
     """Yield names in claims that the shipped plant which they are about does not have."""
-    for claim in text.model.claims:
+    for claim in text.model.claim_lines:
         kind = PLANTS.get(claim.plant)
         if kind is None:
             continue

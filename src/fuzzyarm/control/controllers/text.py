@@ -135,7 +135,7 @@ class ControllerText(Shown, OfKind):
         folder = str(home_of(self.path)) if self.path else "."
         return tuple(
             claim if folder == "." else replace(claim, plant=beside(claim.plant, folder))
-            for claim in self.model.claims
+            for claim in self.model.claim_lines
         )
 
     def learners(self) -> Iterator[Learn]:

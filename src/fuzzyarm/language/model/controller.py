@@ -520,8 +520,9 @@ class ControllerModel(OfKind):
         In the order of the text.
     rulebases : tuple of RuleBase
         In the same file; the controller refers to them by name.
-    claims : tuple of LoopClaim
-        Claims to be proved of its loop.
+    claim_lines : tuple of LoopClaim
+        Its ``prove`` lines, with files of plants as written: from the folder of the text.
+        :attr:`ControllerText.claims` has them from the working folder.
     """
 
     kind_of_value = CONTROLLER
@@ -535,7 +536,7 @@ class ControllerModel(OfKind):
     every: int = 1
     description: str = ""
     rulebases: tuple[RuleBase, ...] = ()
-    claims: tuple[LoopClaim, ...] = ()
+    claim_lines: tuple[LoopClaim, ...] = ()
     _seen: dict[str, tuple[str, ...]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )  # by axis, once it is asked for; under "" those of all axes

@@ -63,7 +63,7 @@ def _controller_parts(text: ControllerText) -> dict[str, object]:
 
 
 def _lines(text: ControllerText) -> ControllerModel:
-    return replace(text.model, gains=(), claims=(), rulebases=(), description="")
+    return replace(text.model, gains=(), claim_lines=(), rulebases=(), description="")
 
 
 def _plant_parts(plant: Plant) -> dict[str, object]:
