@@ -144,6 +144,8 @@ def test_whatever_field_is_changed_it_is_refused_or_says_the_truth(made: tuple[P
         for value in forged(_at(data, path)):
             changed = json.loads(json.dumps(data))
             _at(changed, path[:-1])[path[-1]] = value
+            if changed == data:
+                continue
             try:
                 again = checked(folder, sealed(changed))
             except (FuzzyarmError, OSError):

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -225,6 +226,20 @@ def test_a_run_decays_just_before_the_delay_margin_and_grows_just_beyond(plant, 
     for factor, grows in ((0.99, False), (1.01, True)):
         middle, end = late_run(plant, np.array(gains), factor * delay)
         assert (end > middle) == grows
+
+
+@pytest.mark.parametrize("share", [0.02, 0.35, 0.6, 0.8, 0.97])
+@pytest.mark.parametrize(("plant", "kind", "late"), [loop for loop in LOOPS if not loop[2]])
+def test_a_dead_time_that_is_there_is_taken_from_the_margin(plant, kind, late, share):
+    loop = loop_of(plant, kind, late)
+    whole = margins_of(loop.opened(loop.drives[0])).delay
+    if math.isinf(whole):
+        return
+    delayed = plant_of(*PLANTS[plant])
+    delayed.inputs = {"u": replace(delayed.inputs["u"], delay=share * whole)}
+    with_delay = linearised(loop_problem(controller_of(LAWS[kind]), delayed, inside=True))
+    left = margins_of(with_delay.opened(with_delay.drives[0])).delay
+    assert left == pytest.approx((1.0 - share) * whole, rel=1e-6)
 
 
 @pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -317,6 +318,9 @@ def test_what_is_proved_is_a_goal_where_the_loop_remembers_nothing() -> None:
         fuzzyarm.shipped("cartpole.frb"), plant="cartpole", map=True, over=window, budget=30.0
     )
     assert found.share("proved") > 0.9
+    # The way into the next box says nothing about that into the region.
+    assert math.isnan(found.longest)
+    assert "in the region around rest or a box proved before" in str(found)
     boxes = [box for box in found.boxes if box.verdict == "proved"]
     states = np.array([end for box in boxes for end in (box.low, box.high)])
     for _ in range(1200):

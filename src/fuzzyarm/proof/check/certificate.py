@@ -538,6 +538,8 @@ def _claim(claim: Field) -> LoopClaim:
         claim["from"].number,
         math.inf if claim["to"].value is None else claim["to"].number,
     )
+    if not made.plant:
+        claim["plant"].refuse("names no plant")
     try:
         require_sense(made)
     except ClaimError as error:

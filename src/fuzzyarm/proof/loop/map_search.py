@@ -158,6 +158,7 @@ class _Map:
         self.drawn: list[tuple[tuple[float, ...], bool]] = []
         self.told = -math.inf
         self.certificate: Certificate | None = None
+        self.chained = False
 
     def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
         """Yield the ranges of the outputs that are states."""
@@ -247,6 +248,7 @@ class _Map:
             return MappedBox(low, high, verdict, periods, reason)
 
         self.boxes = [box for box in self.boxes if box.verdict != PROVED]
+        self.chained = False
         latest: list[int] = []  # of each box and those before it: into the region, by way of boxes
         for number, tube in enumerate(self.certificate.tubes):
             kind, before = tube.into
@@ -286,12 +288,14 @@ class _Map:
             period=self.problem.period,
             units=self.plant.states,
             reason=reason,
+            chained=self.chained,
         )  # fmt: skip
 
     # ── boxes ────────────────────────────────────────────────────────────────────────
 
     def _searched(self, case: MapCase) -> None:
         worker = MapWorker(case)
+        self.chained = worker.cover is not None
         _remaining(worker.first, self.boxes)  # raises where those of a journal overlap
         todo = _without(worker.tiles(), self.boxes)
         worker.learn(self.boxes)

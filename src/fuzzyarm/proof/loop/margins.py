@@ -364,9 +364,15 @@ class _Response:
         return float(brentq(self._left, low, high, xtol=1e-12 * h))
 
     def _left(self, delay: float) -> float:
-        """Return the dead time to the limit of a loop that has this one already, s."""
+        """Return the dead time to the limit of a loop that has this one already, s.
+
+        Below 0 the limit is passed. Whole periods only turn L: the rest tells its lags.
+        """
         whole, part = divmod(self.loop.part + delay, self.loop.period)
         late = _Response(late_loop(self.loop, part))
+        if not whole and late.loop.radius >= 1.0:  # then the lag to the limit is a whole turn less
+            passed = ((late._lag(omega) - 2.0 * math.pi) / omega for omega in late.crossovers)
+            return max(passed, default=-math.inf)
         lags = (late._lag(omega) / omega for omega in late.crossovers)
         return min(lags, default=math.inf) - whole * self.loop.period
 

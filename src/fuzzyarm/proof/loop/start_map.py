@@ -29,7 +29,8 @@ class MappedBox(NamedTuple):
     verdict : str
         ``proved``, ``refuted`` or ``open``.
     periods : int
-        Control periods until all of its runs are in the region, or lost.
+        Control periods until all of its runs are in the region, or lost; of a map that is
+        `chained`, in the region or in another proved box.
     reason : str
         Why it is refuted or open.
     """
@@ -82,6 +83,8 @@ class StartMap(Shown):
         Of the states.
     reason : str
         Why nothing was proved; empty where there is a region.
+    chained : bool
+        Whether boxes were followed only into others that are proved.
     """
 
     statement: str
@@ -99,6 +102,7 @@ class StartMap(Shown):
     period: float
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     reason: str = ""
+    chained: bool = False
 
     def share(self, verdict: str) -> float:
         """Return the share of the window's volume that has a verdict."""
@@ -150,7 +154,14 @@ class StartMap(Shown):
 
     @property
     def longest(self) -> float:
-        """After which time all runs from proved boxes are in the region, s."""
+        """After which time all runs from proved boxes are in the region, s; NaN: not known.
+
+        Of a `chained` map only a certificate knows it, which has the whole way.
+        """
+        return math.nan if self.chained else self._longest
+
+    @property
+    def _longest(self) -> float:
         return self.period * max((b.periods for b in self.boxes if b.verdict == PROVED), default=0)
 
     def verdict_at(self, **start: float) -> str:
@@ -194,9 +205,10 @@ class StartMap(Shown):
         if self.others:
             begun = ", ".join(f"{name} = {x:g}" for name, x in self.others.items())
             lines.append(f"  the other states begin at {begun}")
-        if self.longest:
-            longest = outward_text(self.longest, up=True)
-            lines.append(f"  within {longest} s all proved runs are in the region around rest")
+        if self._longest:
+            longest = outward_text(self._longest, up=True)
+            goal = "the region around rest" + " or a box proved before" * self.chained
+            lines.append(f"  within {longest} s all proved runs are in {goal}")
         if self.starts:
             lines.append(
                 f"  of {self.starts} drawn starts {self.settled} came to rest, and of those"
