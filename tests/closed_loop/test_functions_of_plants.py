@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import fuzzyarm
+from fuzzyarm.control.controllers import ControllerText
+from fuzzyarm.language import parse
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.proof.check.numbers import (
     FUNCTIONS,
@@ -159,3 +161,36 @@ def test_a_loop_is_proved_whose_plant_leaves_the_bounds_of_its_outputs_open(tmp_
     controller = fuzzyarm.load_controller(tmp_path / "line.frb")
     verdict = fuzzyarm.prove(controller, "stable", plant=Open(), budget=40.0)
     assert verdict.proved, verdict.reason
+
+
+# ── ends of domains ──────────────────────────────────────────────────────────────────
+
+
+class Leaking(Plant):
+    """A level whose outflow has the factor 0; below 0.5 its root has no value."""
+
+    inputs = {"u": Port("V", -50.0, 50.0)}
+    outputs = {"y": Port("m", -10.0, 10.0)}
+    states = {"y": "m"}
+    parameters = {"flow": 0.0}
+    duration = 2.0
+
+    def derivative(self, t, x, u, p):
+        return [u[0] + math.sqrt(x[0] - 0.5) * p[0]]
+
+
+class Logging(Leaking):
+    def derivative(self, t, x, u, p):
+        return [u[0] + 0.0 * math.log(x[0] - 0.5)]
+
+
+@pytest.mark.parametrize("kind", [Leaking, Logging])
+def test_a_factor_of_0_does_not_hide_the_end_of_a_domain(kind):
+    controller = parse(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of y\n  drive u = e * 5\n"
+    ).controller
+    claim = "from y in 0.99 .. 1: y in -0.1 .. 1.1 during 0 .. 0.2 s"  # 0.5 is passed at 0.14 s
+    verdict = fuzzyarm.prove(ControllerText(controller), claim, plant=kind(), budget=2)
+    assert not verdict.proved, str(verdict)
+    claim = "from y in 0.99 .. 1: y in 0.5 .. 1.1 during 0 .. 0.1 s"
+    assert fuzzyarm.prove(ControllerText(controller), claim, plant=kind(), budget=20).proved

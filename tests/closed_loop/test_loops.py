@@ -215,6 +215,38 @@ def test_integral_filter_slew_and_bounds_of_the_heater(heater_verdict):
     assert check_certificate(heater_verdict.certificate).proved
 
 
+THERMOSTAT = """
+rulebase thermostat
+input  T 15 .. 27
+output power 0 .. 100
+terms T, power: triangles A B C D E
+inference power: aggregation sum, defuzzifier weighted-average
+rule if T is A then power is E
+rule if T is B then power is D
+rule if T is C then power is C
+rule if T is D then power is B
+rule if T is E then power is A
+
+controller heating
+period 10 s
+axis room
+  T = measured temperature
+  power = rules thermostat(T)
+  drive power = power, within 0 .. 100
+"""
+
+
+@pytest.mark.parametrize("sensors", [{}, {"temperature": Sensor(delay=20.0)}], ids=["", "late"])
+def test_rules_of_a_measured_value_rest_where_it_is_not_0(tmp_path, sensors):
+    path = tmp_path / "heating.frb"
+    path.write_text(THERMOSTAT)
+    verdict = prove(path, "stable", plant="room", sensors=sensors)
+    assert verdict.proved, str(verdict)
+    run = simulate(path, "room", duration=96 * 3600.0)
+    assert verdict.rest["temperature"] == pytest.approx(run.outputs["temperature"][-1], abs=1e-3)
+    assert check_certificate(verdict.certificate).proved
+
+
 # ── what attacks it ──────────────────────────────────────────────────────────────────
 
 

@@ -1,5 +1,6 @@
 """What is wrong in a plant of one's own is one sentence with its line, before it runs."""
 
+import math
 import sys
 
 import pytest
@@ -8,6 +9,7 @@ from fuzzyarm.apps.cli.main import main
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import Plant, PlantError, Port, find_plant
+from fuzzyarm.plant.equations import traced
 
 KILN = """\
 from fuzzyarm.plant import Plant, Port
@@ -168,6 +170,44 @@ def test_a_plant_that_steps_is_not_asked_twice(tmp_path):
     )
     plant = find_plant(str(tmp_path / "steps.py"))
     assert type(plant).count == 0
+
+
+COUNTERS = {
+    "a global": ("N = 0", "global N\n        N += 1", "N"),
+    "a list": ("N = [0]", "N[0] += 1", "N[0]"),
+    "a module": ("math.calls = 0", "math.calls += 1", "math.calls"),
+    "another class": ("class K:\n    n = 0", "K.n += 1", "K.n"),
+    "an iterator": ("import itertools\nN = itertools.count()", "n = next(N)", "n"),
+    "a generator": ("def ones():\n    n = 0\n    while True:\n        n += 1\n        yield n\n"
+                    "N = ones()", "n = next(N)", "n"),
+    "a default": ("def count(c=[0]):\n    c[0] += 1\n    return c[0]", "n = count()", "n"),
+    "a closure": ("def made():\n    c = [0]\n    def count():\n        c[0] += 1\n"
+                  "        return c[0]\n    return count\ncount = made()", "n = count()", "n"),
+    "a method": ("", "n = self.count()", "n"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sort", COUNTERS)
+def test_equations_that_count_outside_the_plant_are_not_traced(tmp_path, sort):
+    before, counting, count = COUNTERS[sort]
+    path = tmp_path / "counting.py"
+    path.write_text(
+        f"import math\nfrom fuzzyarm.plant import Plant, Port\n{before}\n\n"
+        "class Counting(Plant):\n"
+        "    inputs = {'u': Port('V', -50.0, 50.0)}\n"
+        "    outputs = {'y': Port('m', -10.0, 10.0)}\n"
+        "    states = {'y': 'm'}\n"
+        "    def count(self, calls=[0]):\n"
+        "        calls[0] += 1\n"
+        "        return calls[0]\n"
+        "    def derivative(self, t, x, u, p):\n"
+        f"        {counting}\n"
+        f"        return [u[0] if {count} < 60 else 1.0]\n"
+    )
+    try:
+        assert traced(find_plant(str(path))) is None
+    finally:
+        vars(math).pop("calls", None)
 
 
 def test_an_unknown_parameter_has_a_near_one(tmp_path, monkeypatch, capsys):

@@ -21,7 +21,7 @@ from copy import copy, deepcopy
 from itertools import chain
 from operator import is_
 from queue import Queue
-from types import FunctionType, MethodType
+from types import FunctionType, GeneratorType, MethodType, ModuleType
 from typing import Any, NamedTuple, cast
 from weakref import WeakKeyDictionary
 
@@ -311,13 +311,65 @@ def _roots(
     (time,), *groups = names
     arguments = (symbol(time), *([symbol(name) for name in group] for group in groups))
     symbolic = over_symbols(function)
+    before = _reached(symbolic)
     try:
         with comparing_values():
             first, again = ([as_node(rate) for rate in symbolic(*arguments)] for _ in range(2))
     except USERS:  # anything may be raised on symbols
         return None
-    # A function with random numbers or counters differs between two calls.
-    return first if first == again and len(first) == count else None
+    # A function with random numbers differs between two calls; one that counts, perhaps later.
+    if first != again or before != _reached(symbolic):
+        return None
+    return first if len(first) == count else None
+
+
+def _reached(function: Callable[..., Any]) -> dict[tuple[object, str], object]:
+    """Snapshot what a function can change outside its plant: globals, modules, closures, defaults.
+
+    Of the functions of a user's module that it may call, too.
+    """
+    found: dict[tuple[object, str], object] = {}
+    seen: set[object] = set()
+    pending: list[Any] = [getattr(function, "__func__", function)]
+    while pending:
+        plain = pending.pop()
+        if isinstance(plain, type) and plain not in seen:
+            seen.add(plain)
+            pending += [getattr(x, "__func__", x) for x in vars(plain).values()]
+        if not isinstance(plain, FunctionType):
+            continue
+        # Functions of one module share its globals.
+        for place, space in (id(plain.__globals__), plain.__globals__), (plain, _bound_by(plain)):
+            if place in seen:
+                continue
+            seen.add(place)
+            found |= {(place, name): _contents(value) for name, value in space.items()}
+            pending += [
+                x for x in space.values() if getattr(x, "__module__", None) == plain.__module__
+            ]
+    return found
+
+
+def _bound_by(function: FunctionType) -> dict[str, Any]:
+    """Return the closure and the defaults of a function."""
+    bound = {str(k): value for k, value in enumerate(function.__defaults__ or ())}
+    bound |= function.__kwdefaults__ or {}
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        with contextlib.suppress(ValueError):  # a cell that is empty yet
+            bound[f"({name})"] = cell.cell_contents
+    return bound
+
+
+def _contents(value: object) -> object:
+    """Return what tells whether an object has changed; for a generator, that it has."""
+    if isinstance(value, GeneratorType):
+        return object()
+    if isinstance(value, ModuleType | type):
+        return {name: x for name, x in vars(value).items() if isinstance(x, int | float)}
+    for kept in () if callable(value) else (value, getattr(value, "__dict__", None)):
+        with contextlib.suppress(Exception):  # user code may raise anything
+            return pickle.dumps(kept)
+    return id(value)
 
 
 def over_symbols(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -38,6 +38,7 @@ from fuzzyarm.plant.plant import (
     PlantError,
     dynamics_of,
     is_compiled,
+    is_traced,
     numbers_of,
 )
 from fuzzyarm.plant.setting import CLOCK, PLAIN, ArmError, Conventions, Pair, RunArithmetic
@@ -485,6 +486,8 @@ class Course:
         other = copy(self)
         other.motion = motion
         other.plant = for_runs(motion.plants[0])
+        if is_traced(other.plant) != is_traced(self.plant):  # a program of one, numbers of another
+            raise PlantError(f"the equations of {self.plant.name} change from run to run")
         other._parts = {**self._parts, **other._meeting()}
         return other
 

@@ -58,20 +58,24 @@ class Conclusions:
     def resting(
         self, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
     ) -> list[Affine]:
-        """Return the linear law of a rule base, which has the same rest: inputs are 0 there."""
+        """Return the linear law of a rule base, which has the same rest: inputs are 0 there.
+
+        Near a rest that is known in floats alone, the law is the one around it.
+        """
         forms = []
+        moving = {name: form for name, form in inputs.items() if not form.is_constant}
+        if not self.is_exact:
+            moving = {name: form.deviation for name, form in moving.items()}
         for output in sheet.outputs:
             prover = self._prover(sheet, output.name)
-            at = {
-                n: variable.constant if variable.is_constant else ZERO
-                for n, variable in inputs.items()
-            }
+            at = {name: form.constant for name, form in inputs.items()}
+            if self.is_exact:
+                at |= dict.fromkeys(moving, ZERO)
             total = number(self._value_at(prover, at))
             slopes = slopes_at(prover, {name: float(x) for name, x in at.items()})
-            for name, variable in inputs.items():
-                if not variable.is_constant:
-                    low, high = slopes.around(name)
-                    total = total.plus(variable.scaled((low + high) / 2))
+            for name, form in moving.items():
+                low, high = slopes.around(name)
+                total = total.plus(form.scaled((low + high) / 2))
             forms.append(Affine(total.constant, total.parts))
         return forms
 

@@ -124,14 +124,21 @@ class FormMaker:
     def _rest(self) -> dict[str, Fraction]:
         """Return where the loop rests: states and memory, exactly."""
         names = [*self.problem.states, *self.memory]
-        if SampledPlant(self.problem, {}).is_affine:
+        if not SampledPlant(self.problem, {}).is_affine:
+            return self._rest_at_set_point(names) or self._rest_in_floats()
+        try:
             return self._rest_of_affine(names)
-        rest = self._rest_at_set_point(names)
-        if rest is None:
-            self.is_exact = self._conclusions.is_exact = False
-            near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
-            rest = {name: Fraction(value) for name, value in near.items()}
-        return rest
+        except LoopProofError as error:
+            # The inputs of the rules are not 0 at rest, as where they read a measured value.
+            try:
+                return self._rest_in_floats()
+            except LoopProofError:
+                raise error from None
+
+    def _rest_in_floats(self) -> dict[str, Fraction]:
+        self.is_exact = self._conclusions.is_exact = False
+        near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
+        return {name: Fraction(value) for name, value in near.items()}
 
     def _rest_of_affine(self, names: Sequence[str]) -> dict[str, Fraction]:
         algebra = self._algebra(Assumptions(), is_search=True)

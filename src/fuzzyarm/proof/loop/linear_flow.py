@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.proof.loop.enclosure import Intervals, matrix_exponential
 from fuzzyarm.proof.loop.flow import Step
-from fuzzyarm.proof.loop.readings import may_jump
+from fuzzyarm.proof.loop.readings import is_total
 from fuzzyarm.proof.loop.zonotope import ENLARGED, Forms, stacked
 from fuzzyarm.symbolic.evaluation import bounds as bounds_of
 from fuzzyarm.symbolic.evaluation import gradient
@@ -43,7 +43,7 @@ def linear_flow(rates: Sequence[Node], inputs: Sequence[str]) -> LinearFlow | No
     """
     states = [f"x{i}" for i in range(len(rates))]
     variables = (*states, *inputs)
-    if any(map(may_jump, rates)):  # between two jumps slopes may be constant
+    if not all(map(is_total, rates)):  # slopes see neither a jump nor the end of a domain
         return None
     slopes = [list(gradient(root, variables)) for root in rates]
     if any(symbols(node) for row in slopes for node in row):

@@ -59,6 +59,20 @@ def may_jump(root: Node) -> bool:
     )
 
 
+def is_total(root: Node) -> bool:
+    """Whether sums, products and quotients by numbers alone make an expression.
+
+    Such an expression has a value everywhere. ``0 * sqrt(x)`` has the slope 0, and none below 0.
+    """
+    return all(
+        not isinstance(node, Apply)
+        or not symbols(node)
+        or node.operation in ("add", "subtract", "multiply", "negative")
+        or (node.operation == "divide" and not symbols(node.arguments[1]))
+        for node in postorder(root)
+    )
+
+
 def takes_condition(root: Node) -> bool:
     """Whether an open condition is taken for a number, as in ``5 * (x > 0.1)``."""
 

@@ -64,10 +64,10 @@ def rest_in_floats(
     def motion(y: Vector) -> Vector:
         return np.array(_motion(problem, period, memory, dict(zip(names, y.tolist(), strict=True))))
 
-    still = [0.0] * len(memory)
     # From the middle of a wide range rules may be flat: then from the set points alone.
     for middles in (True, False):
-        y = _root(motion, np.array([*_guess(problem, middles), *still]), len(problem.states))
+        states = _guess(problem, middles)
+        y = _root(motion, np.array([*states, *_still(period, memory, states)]), len(states))
         if y is not None:
             return dict(zip(names, y.tolist(), strict=True))
     raise LoopProofError("no rest of the loop was found")
@@ -113,6 +113,33 @@ def _guess(problem: LoopProblem, middles: bool) -> list[float]:
     return list(guess.values())
 
 
+def _still(
+    period: LoopPeriod[float], memory: Sequence[str], states: Sequence[float]
+) -> list[float]:
+    """Return a guess of the memory: the first reading where it starts as that, else 0."""
+    begun = [name for name in memory if math.isnan(period.memory[name])]
+    if not begun:
+        return [0.0] * len(memory)
+    problem = period.problem
+    _, outputs = _outputs_of(problem, dict(zip(problem.states, states, strict=True)))
+    _, after = period.run(outputs, {}, first=True)
+    return [after[name] if name in begun else 0.0 for name in memory]
+
+
+def _outputs_of(
+    problem: LoopProblem, states: Mapping[str, float]
+) -> tuple[dict[str, float], dict[Address, float]]:
+    """Return the values of all symbols but the inputs, and the outputs of the plant."""
+    equations, interface = problem.equations, problem.site.interface
+    values = problem.constants
+    values |= {k: states[n] for k, n in zip(equations.states, problem.states, strict=True)}
+    outputs = {
+        address: evaluate(root, values)
+        for address, root in zip(interface.outputs, equations.outputs, strict=True)
+    }
+    return values, outputs
+
+
 def _motion(
     problem: LoopProblem,
     period: LoopPeriod[float],
@@ -120,13 +147,8 @@ def _motion(
     states: Mapping[str, float],
 ) -> list[float]:
     """Return the rates of the plant and the steps of the memory."""
-    equations, interface = problem.equations, problem.site.interface
-    values = problem.constants
-    values |= {k: states[n] for k, n in zip(equations.states, problem.states, strict=True)}
-    outputs: dict[Address, float] = {
-        address: evaluate(root, values)
-        for address, root in zip(interface.outputs, equations.outputs, strict=True)
-    }
+    values, outputs = _outputs_of(problem, states)
+    equations = problem.equations
     before = {name: states.get(name, start) for name, start in period.memory.items()}
     inputs, after = period.run(outputs, before)
     values |= dict(zip(equations.inputs, inputs.values(), strict=True))
