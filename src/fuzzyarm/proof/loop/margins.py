@@ -45,6 +45,9 @@ Vector = NDArray[np.float64]
 LONGEST_DELAY = 400
 """Control periods of dead time at most that a delay margin is looked for in."""
 
+INFINITE = 1e12
+"""What |L| is taken for infinite from, as next to frequency 0 of a loop with an integral."""
+
 POINTS = 2000
 """Frequencies at which the sensitivity is looked at first."""
 
@@ -299,7 +302,7 @@ class _Response:
                 except np.linalg.LinAlgError:  # a pole at rest, as of an integrator
                     continue
             size = abs(value)
-            if math.isfinite(size) and value.real < 0.0 and abs(value.imag) <= 1e-6 * size:
+            if size < INFINITE and value.real < 0.0 and abs(value.imag) <= 1e-6 * size:
                 yield float(omega), 1.0 / size
 
     def _polished(self, left: Vector, right: Vector, miss: Callable[[float], float]) -> list[float]:
