@@ -194,3 +194,33 @@ def test_a_factor_of_0_does_not_hide_the_end_of_a_domain(kind):
     assert not verdict.proved, str(verdict)
     claim = "from y in 0.99 .. 1: y in 0.5 .. 1.1 during 0 .. 0.1 s"
     assert fuzzyarm.prove(ControllerText(controller), claim, plant=kind(), budget=20).proved
+
+
+class Filling(Leaking):
+    """y' = u."""
+
+    parameters = {}
+
+    def derivative(self, t, x, u, p):
+        return [u[0]]
+
+
+BACK = """
+controller c
+period 10 ms
+axis a
+  e = error of y
+  i = integral of e, anti-windup back 0.59 s, start 0.12
+  s = e * 0.5 + i * 0.86
+  z = s where s < 0.24 else 0.1
+  drive u = z, within -4 .. 4
+"""
+
+
+def test_a_choice_by_an_integral_without_limits_is_that_of_its_value():
+    controller = ControllerText(parse(BACK).controller)
+    for bounds, expected in (("0.2 .. 0.21", "proved"), ("0.09 .. 0.11", "refuted")):
+        # By hand in the first period: 0.5 · 0.2 + 0.86 (0.12 + 0.2 · 0.01) = 0.20492 < 0.24.
+        claim = f"from y in -0.2 .. -0.2: u in {bounds} during 0 .. 0.04 s"
+        verdict = fuzzyarm.prove(controller, claim, plant=Filling())
+        assert verdict.verdict == expected, str(verdict)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fuzzyarm.proof.loop import zonotope
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals
-from fuzzyarm.proof.loop.readings import UnenclosedError, pruned, read, readable
+from fuzzyarm.proof.loop.readings import CONDITIONS, UnenclosedError, pruned, read, readable
 from fuzzyarm.proof.loop.zonotope import Forms, clip, dot, larger, smaller, stacked
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.nodes import constant, symbol
@@ -171,3 +171,11 @@ def test_options_choose_before_forms_are_read():
     )
     assert pruned(limited, {"low": -math.inf, "high": math.inf}) == x
     assert pruned(limited, {"low": -math.inf, "high": 2.0}) == op.minimum(x, 2.0)
+
+
+def test_a_condition_on_what_is_no_number_is_open():
+    nothing, one = Forms.at(np.array([np.nan])), Forms.at(np.array([1.0]))
+    for name in ("less", "less_equal", "equal"):
+        for pair in ((nothing, one), (one, nothing)):
+            found = CONDITIONS[name](*pair)
+            assert (found.low[0], found.high[0]) == (0.0, 1.0), name

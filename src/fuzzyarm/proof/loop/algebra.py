@@ -46,6 +46,8 @@ class Zonotopes(LoopAlgebra[Number]):
 
     def fresh(self, x: Forms) -> Forms:
         """Return forms whose rest is its own symbol."""
+        if np.isnan(x.centre).any() or np.isnan(x.rest).any():
+            raise EnclosureError("an enclosure is not a number")
         if not x.rest.any():
             return x
         self.count += 1
@@ -189,7 +191,7 @@ class Zonotopes(LoopAlgebra[Number]):
 def _demand_inside(x: Forms, variable: Variable) -> None:
     """Refuse a signal of a rule base that may be outside its range, where there is no value."""
     bounds, where = x.bounds, f"outside the range of '{variable.name}', where there is no value"
-    if (bounds.low < variable.low).any() or (bounds.high > variable.high).any():
+    if not ((bounds.low >= variable.low) & (bounds.high <= variable.high)).all():
         raise EnclosureError(f"a run may be {where}")
 
 

@@ -100,7 +100,10 @@ def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
         arguments = [nodes[argument] for argument in node.arguments]
         rewritten: Node = apply(node.operation, *arguments)
         if node.operation in CONDITIONS:
-            rewritten = specialise(rewritten, {})
+            known = specialise(rewritten, {})
+            # An open comparison keeps its arguments, by which a choice is seen to be a limit.
+            if isinstance(known, Constant) or node.operation not in ("less", "less_equal"):
+                rewritten = known
         elif node.operation == "where" and isinstance(arguments[0], Constant):
             rewritten = arguments[1] if arguments[0].value else arguments[2]
         elif node.operation in ("minimum", "maximum") or node.operation == "where":
@@ -156,17 +159,19 @@ def _power(base: Node, exponent: Node) -> Node:
 
 
 # ── conditions: intervals of 0 and 1 ─────────────────────────────────────────────────
+#
+# Of forms that are not numbers a condition is open: what is possible is what is not excluded.
 
 
 def _less(a: Forms, b: Forms) -> Intervals:
     gap = (a - b).bounds
-    return Intervals((gap.high < 0.0).astype(float), (gap.low < 0.0).astype(float))
+    return Intervals((gap.high < 0.0).astype(float), (~(gap.low >= 0.0)).astype(float))
 
 
 def is_less_equal(a: Forms, b: Forms) -> Intervals:
     """Return whether a form is at most another one, as a condition."""
     gap = (a - b).bounds
-    return Intervals((gap.high <= 0.0).astype(float), (gap.low <= 0.0).astype(float))
+    return Intervals((gap.high <= 0.0).astype(float), (~(gap.low > 0.0)).astype(float))
 
 
 def _equal(a: Forms, b: Forms) -> Intervals:
