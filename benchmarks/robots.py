@@ -31,7 +31,7 @@ from fuzzyarm.plant.plant import with_parameters
 HERE = Path(__file__).resolve().parent
 ROBOTS = HERE.parent / "examples" / "robots"
 FUZZY = ("pd", "fuzzy-direct", "hfie", "stfc", "cfaf", "soc")
-LAWS = ("ct", "ffid", "ffid+ie", "cdid")
+LAWS = ("ct", "ffid", "ffid+ie", "cdid", "mrac", "dac")
 SUMS = ("fuzzy-direct", "soc")
 MOVES = {"three joints": (3, 20.0), "six joints": (6, 20.0)}
 CASES = {"as known": ({}, False), "2.5 kg": ({}, True), "masses +20 %": ({"masses": 1.2}, False)}

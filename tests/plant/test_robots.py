@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import pickle
+import sys
 from copy import copy
+from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +64,29 @@ def test_the_arm_of_mujoco_runs_as_our_own(law: str) -> None:
     for name, angles in ours.outputs.items():
         bound = 1e-9 if law == "pd" else 2e-4 if "position" in name else 5e-3
         np.testing.assert_allclose(theirs.outputs[name], angles, atol=bound, rtol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "gains", "seconds"),
+    [
+        ("mrac", {}, 1.5),
+        ("mrac", {"inertia_times_u": [1.0], "gravity": [0.0]}, 1.5),
+        ("dac", {"C": [1.1]}, 3.0),  # it diverges on fast moves
+    ],
+)
+def test_an_adaptive_law_on_a_robot_is_that_of_the_arm(
+    law: str, gains: dict[str, list[float]], seconds: float
+) -> None:
+    trajectory, fine = reach_return((30.0, -40.0), seconds, 0.2), Options(runge_kutta=1)
+    controller = find_controller(law).with_gains(gains)
+    # The model on the robot is that of the file: the arm without its load.
+    numbers = {f"model.{name}": [value] for name, value in asdict(UNLOADED).items()}
+    known = {name: value for name, value in numbers.items() if name in controller.gains}
+    ours = simulate(controller.with_gains(known), "arm", trajectory=trajectory, options=fine)
+    theirs = simulate(controller, ARM, trajectory=trajectory)
+    assert ours.diverged is None
+    for name in ("joint1.position", "joint2.position"):
+        np.testing.assert_allclose(theirs.outputs[name], ours.outputs[name], atol=1e-7, rtol=0.0)
 
 
 def test_the_inverse_dynamics_of_the_arm_are_ours() -> None:
@@ -222,7 +248,7 @@ def test_a_damaged_robot_is_one_sentence(tmp_path: Path, content: str, message: 
 def test_what_a_law_of_the_study_cannot_do_on_a_robot_is_said(tmp_path: Path) -> None:
     plant = find_plant(ARM)
     with pytest.raises(FuzzyarmError, match="adapts the parameters of the study's arm"):
-        simulate("mrac", plant)
+        simulate("acdid", plant)
     uneven = find_controller("pd").with_gains({"K_P": [100.0, 50.0]})
     with pytest.raises(FuzzyarmError, match="K_P differs between joints"):
         simulate(uneven, plant)
@@ -269,6 +295,32 @@ def test_mujoco_writes_no_file_and_prints_nothing(
     test_a_run_that_diverges_ends_as_one()
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr() == ("", "")
+
+
+def test_robots_of_menagerie_have_its_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = (
+        "class MenagerieError(Exception):\n    pass\n"
+        "class Robot:\n    def xml(self):\n        return ARM\n"
+        "def names():\n    return ['two_link_arm', 'other']\n"
+        "def get(name):\n    if name == 'other':\n        raise MenagerieError('no line')\n"
+        f"    return Robot()\nARM = {ARM!r}\n"
+    )
+    if find_spec("mujoco_menagerie") is None:
+        with pytest.raises(PlantError, match="needs the package") as error:
+            find_plant("menagerie:arm")
+        assert error.value.hint == "pip install mujoco-menagerie"
+    (tmp_path / "mujoco_menagerie.py").write_text(package)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "mujoco_menagerie", raising=False)
+    assert find_plant("menagerie:two_link_arm").name == "two_link_arm"
+    with pytest.raises(PlantError, match="has no 'arm'") as error:
+        find_plant("menagerie:arm")
+    assert error.value.hint == "did you mean 'two_link_arm'?"
+    with pytest.raises(PlantError, match="no line"):
+        find_plant("menagerie:other")
+    monkeypatch.delitem(sys.modules, "mujoco_menagerie")
 
 
 def test_a_run_leaves_no_sum_behind() -> None:

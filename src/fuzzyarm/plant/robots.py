@@ -14,6 +14,7 @@ import sys
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -314,14 +315,21 @@ _VIEW = np.array([[0.8, -0.6, 0.0], [0.2, 0.3, 0.93]])
 
 def menagerie(name: str) -> RobotPlant:
     """Return a robot of MuJoCo Menagerie; the package fetches its files once."""
-    demand_extra("mujoco_menagerie", "plants", "a robot of MuJoCo Menagerie")
+    if find_spec("mujoco_menagerie") is None:
+        message = "a robot of MuJoCo Menagerie needs the package mujoco-menagerie"
+        raise PlantError(message, name=name, hint="pip install mujoco-menagerie")
     import mujoco_menagerie
 
-    if name not in mujoco_menagerie.names():
-        near = near_hint(name, mujoco_menagerie.names())[0]
-        hint = near or "python -m mujoco_menagerie lists them"
+    names = mujoco_menagerie.names()
+    if name not in names:
+        longer = next((f"did you mean '{each}'?" for each in names if name and name in each), "")
+        hint = near_hint(name, names)[0] or longer or "python -m mujoco_menagerie lists them"
         raise PlantError(f"MuJoCo Menagerie has no '{name}'", name=name, hint=hint)
-    plant = RobotPlant(str(mujoco_menagerie.get(name).xml()))
+    try:
+        path = mujoco_menagerie.get(name).xml()
+    except mujoco_menagerie.MenagerieError as error:  # it is fetched, once
+        raise PlantError(f"'{name}' of MuJoCo Menagerie: {error}", name=name) from error
+    plant = RobotPlant(str(path))
     plant.name = name
     return plant
 

@@ -1,8 +1,8 @@
-"""The conventional laws of the study on a robot with any number of joints.
+"""Laws of the study on a robot with any number of joints.
 
-The kernels of :mod:`.conventional` are the two-link arm, where every product is written out for
-machine code. Here the model is the plant's `inverse_dynamics`, and a law one line over arrays. Its
-gains are those of the study, one number for all joints.
+The kernels of :mod:`.conventional` and :mod:`.adaptive` are for the two-link arm, where every
+product is written out for machine code. Here the model is the plant's `inverse_dynamics`, and a law
+a few lines over arrays. Its gains are those of the study, one number for all joints.
 """
 
 from __future__ import annotations
@@ -43,6 +43,8 @@ class JointMoment(NamedTuple):
         As measured.
     last : bool
         Whether this is the last period of the set point.
+    step : float
+        The control period, s.
     """
 
     wanted: Vector
@@ -51,6 +53,7 @@ class JointMoment(NamedTuple):
     position: Vector
     velocity: Vector
     last: bool
+    step: float
 
     @property
     def error(self) -> Vector:
@@ -64,8 +67,23 @@ class JointMoment(NamedTuple):
 
 
 Numbers = Mapping[str, float]
-JointLaw = Callable[[InverseDynamics, JointMoment, Numbers, Vector], Vector]
-"""From model, observation, gains and memory (one number for each joint) to torques, N m."""
+Torques = Callable[[InverseDynamics, JointMoment, Numbers, Vector], Vector]
+"""From model, observation, gains and memory to the torque of each joint, N m."""
+
+
+class JointLaw(NamedTuple):
+    """A law on all joints.
+
+    Attributes
+    ----------
+    torques : callable
+        See ``Torques``.
+    memory : callable
+        From the number of joints to the shape of the memory; it begins with zeros.
+    """
+
+    torques: Torques
+    memory: Callable[[int], tuple[int, ...]] = lambda joints: (joints,)
 
 
 def _pd(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector) -> Vector:
@@ -111,15 +129,51 @@ def _integral(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vect
     return torque
 
 
+def _decentralised(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector) -> Vector:
+    # (5.6.10); memory: ∫ r s dt of each joint with s = 1, e, ė, θ̈d.
+    r = k["p_2"] * now.error + k["p_3"] * now.rate
+    signals = np.stack([np.ones_like(r), now.error, now.rate, now.wanted_acceleration])
+    memory += r * signals * now.step
+    gains = k["C"] * memory + k["k"] * np.abs(r) * r * signals
+    return np.asarray((gains * signals).sum(axis=0))
+
+
+def _model_reference(
+    model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
+) -> Vector:
+    # (5.5.11) to (5.5.15); memory: the matrices Δ₁, Δ₂ and Δv.
+    into = k["acceleration_in_v"] * now.wanted_acceleration
+    into = into + k["K_2"] * now.wanted_velocity + k["K_1"] * now.wanted
+    moved = into - k["K_1"] * now.position - k["K_2"] * now.velocity
+    moved += memory[2] @ into - memory[0] @ now.position - memory[1] @ now.velocity
+    still = np.zeros_like(moved)
+    if k["inertia_times_u"] == 0.0:
+        model_torque = model(now.position, still, now.wanted_acceleration, now.wanted_velocity)
+        torque = k["unit_mass"] * moved + model_torque
+    else:
+        torque = model(now.position, still, moved, now.velocity)
+    torque = torque - (1.0 - k["gravity"]) * model(now.position, still, still)
+    # Q = I in the Lyapunov equation.
+    second = 0.5 / k["K_1"]
+    third = (1.0 + 2.0 * second) / (2.0 * k["K_2"])
+    weighted = (second * now.error + third * now.rate) * now.step
+    memory[0] -= k["a"] * np.outer(weighted, now.position)
+    memory[1] -= k["a"] * np.outer(weighted, now.velocity)
+    memory[2] += k["b"] * np.outer(weighted, into)
+    return torque
+
+
 JOINT_LAWS: Mapping[str, JointLaw] = {
-    "pd": _pd,
-    "ct": _computed_torque,
-    "ffid": _feed_forward_inverse,
-    "cdid": _critically_damped,
-    "feedforward": _pure_feed_forward,
-    "ie": _integral,
+    "pd": JointLaw(_pd),
+    "ct": JointLaw(_computed_torque),
+    "ffid": JointLaw(_feed_forward_inverse),
+    "cdid": JointLaw(_critically_damped),
+    "feedforward": JointLaw(_pure_feed_forward),
+    "ie": JointLaw(_integral),
+    "dac": JointLaw(_decentralised, lambda joints: (4, joints)),
+    "mrac": JointLaw(_model_reference, lambda joints: (3, joints, joints)),
 }
-"""By the name of the law. The adaptive laws estimate the parameters of the two-link arm."""
+"""By the name of the law; `acdid` estimates the seven parameters of the two-link arm."""
 
 
 class RobotLaw(Controller):
@@ -172,10 +226,11 @@ class RobotLaw(Controller):
 
     def torques(self, now: JointMoment) -> Vector:
         """Return the torque of each joint; in a period without a measurement that of before."""
+        joints = len(now.wanted)
         if self._memory is None or self._torque is None:
-            self._memory, self._torque = np.zeros(len(now.wanted)), np.zeros(len(now.wanted))
+            self._memory, self._torque = np.zeros(self.law.memory(joints)), np.zeros(joints)
         if not any(np.isnan(part).any() for part in now[:5]):
-            self._torque = self.law(self.model, now, self._numbers, self._memory)
+            self._torque = self.law.torques(self.model, now, self._numbers, self._memory)
         return self._torque
 
 
@@ -194,7 +249,8 @@ def robot_law(controller: CompiledController, model: InverseDynamics) -> RobotLa
 
 
 def _number(gain: Gain) -> float:
-    if len(set(gain.value)) > 1:
+    # Of the study's numbers for its two joints the first.
+    if len(set(gain.value)) > 1 and gain.origin == "given":
         message = f"gain {gain.name} differs between joints, and a robot takes one number for all"
         raise GainError(message, name=gain.name, value=gain.value)
     return gain.value[0]

@@ -42,7 +42,7 @@ from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure_of
 from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
 from fuzzyarm.plant.plant import ADVANCE, CLOCK_SIZE, Address, is_compiled, is_traced
-from fuzzyarm.plant.setting import CLOCK, LAST, Clock, RunArithmetic, State
+from fuzzyarm.plant.setting import CLOCK, LAST, PERIOD, Clock, RunArithmetic, State
 from fuzzyarm.plant.setting import Reference as ArmReference
 from fuzzyarm.symbolic.kernels import bound_routine, is_built, routine, with_names
 
@@ -429,7 +429,8 @@ def _asked_of_robot(part: RobotLaw, course: Course) -> Asked:
 
     def ask(signals: Any) -> Iterable[tuple[int, float]]:
         at, v, a, position, velocity = (np.array([signals[cell] for cell in row]) for row in cells)
-        now = JointMoment(at, v, a, position, velocity, signals[LAST] != 0.0)
+        last, step = signals[LAST] != 0.0, float(signals[PERIOD])
+        now = JointMoment(at, v, a, position, velocity, last, step)
         with _named(part):
             torques = part.torques(now)
         return zip(columns, torques.tolist(), strict=True)
