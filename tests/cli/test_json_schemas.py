@@ -247,7 +247,7 @@ RARE = {
     },
     # Of tables, and of rule bases by numbers, which are compared alone.
     "diff-controllers": {"comparable", "transposed", "header", "cells", "output", "worst", "at",
-                         "rms", "points", "missing"},
+                         "rms", "points", "missing", "proved"},
     "show": {"outcome", "mode"},
 }  # fmt: skip
 """Properties that no call here prints."""

@@ -1,6 +1,7 @@
 """How far the outputs of two rule bases are apart, and where: found by search.
 
-The points of the search are the corners of all terms, points beside and between them, and points
+`fuzzyarm.proof.map.difference` proves what they nowhere exceed, where both are exact. The points of
+the search are the corners of all terms, points beside and between them, and points
 spread evenly; from the best of them it goes on, along the axes, in ever smaller steps.
 """
 
@@ -28,7 +29,7 @@ SPREAD = 20_000
 AT_CORNERS = 40_000
 """Most points at corners and between them."""
 
-_STARTS = 48
+_STARTS = 256
 """From how many points the search goes on."""
 
 _ROUNDS = 60
@@ -40,7 +41,7 @@ class UnlikeRuleBasesError(FuzzyarmError, ValueError):
     """Two rule bases have inputs or outputs that do not correspond."""
 
 
-@json_properties("output worst at before after rms points missing")
+@json_properties("output worst at before after rms points missing proved")
 @dataclass(frozen=True, slots=True)
 class Apart:
     """How far an output is apart in two rule bases.
@@ -61,6 +62,8 @@ class Apart:
         Points of the search.
     missing : dict of str to float or None
         A point at which only one of both has a value.
+    proved : float or None
+        What the difference nowhere exceeds; None if that is not proved.
     """
 
     output: str
@@ -71,6 +74,7 @@ class Apart:
     rms: float
     points: int
     missing: Mapping[str, float] | None = None
+    proved: float | None = None
 
 
 def apart(before: RuleBase, after: RuleBase) -> tuple[Apart, ...]:
@@ -94,8 +98,8 @@ class _Search:
 
     def __init__(self, before: RuleBase, after: RuleBase) -> None:
         self.before, self.after = silent(before), silent(after)
-        self.inputs = _paired(before.inputs, after.inputs, "input")
-        self.outputs = _paired(before.outputs, after.outputs, "output")
+        self.inputs = paired(before.inputs, after.inputs, "input")
+        self.outputs = paired(before.outputs, after.outputs, "output")
         self.low = np.array([min(one.low, two.low) for one, two in self.inputs])
         self.high = np.array([max(one.high, two.high) for one, two in self.inputs])
         for (_, variable), low, high in zip(self.inputs, self.low, self.high, strict=True):
@@ -195,8 +199,8 @@ def _gap(one: Array, two: Array) -> Array:
 _Side = TypeVar("_Side", Input, Output)
 
 
-def _paired(one: Sequence[_Side], two: Sequence[_Side], what: str) -> list[tuple[_Side, _Side]]:
-    """Return the variables that correspond: by name, or in their order."""
+def paired(one: Sequence[_Side], two: Sequence[_Side], what: str) -> list[tuple[_Side, _Side]]:
+    """Return the variables that correspond, of the second one in order: by name, or in order."""
     if len(one) != len(two):
         raise UnlikeRuleBasesError(f"one has {len(one)} {what}s, the other {len(two)}")
     by_name = {variable.name: variable for variable in one}

@@ -12,7 +12,7 @@ from fuzzyarm.apps.show.rulebase import expression_words, norm_words
 from fuzzyarm.apps.show.table import table_grids
 from fuzzyarm.apps.show.terms import shape_words
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import number_text, short_bins, short_levels
+from fuzzyarm.base.numbers import number_text, outward_text, short_bins, short_levels
 from fuzzyarm.inference.apart import SPREAD, Apart
 from fuzzyarm.language.edit.hover import rule_sentence
 from fuzzyarm.language.model.rulebase import (
@@ -239,6 +239,9 @@ def apart_words(found: Apart) -> str:
             f"{name}: apart by {found.worst:.4g} at {at} ({values}), the worst of"
             f" {found.points:,} points; RMS {found.rms:.4g} over {SPREAD:,} spread evenly"
         )
+    if found.proved is not None:
+        most = outward_text(found.proved, up=True, digits=4)
+        words += f"; {f'nowhere over {most}' if found.proved else 'the same everywhere'} (proved)"
     if found.missing is not None:
         # All digits: beside a corner the other one may have it, too.
         ends = [f"{name_text(key)} = {number_text(value)}" for key, value in found.missing.items()]

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.inference.overlap import Layers
+from fuzzyarm.inference.overlap import ClosedForm, Layers
 from fuzzyarm.proof.map.arithmetic import (
     Arithmetic,
     Array,
@@ -88,12 +88,42 @@ class Cut(NamedTuple):
         too: columns after the others.
     form : tuple of Fraction
         Weights of a sum of the inputs; pieces are cut where it is 0.
+    other : Straight, optional
+        Another rule base over the same inputs whose heights are needed, too: columns after the
+        others.
     """
 
     box: tuple[tuple[Fraction, Fraction], ...]
     positions: tuple[Sequence[Fraction], ...] = ()
     mirrored: bool = False
     form: tuple[Fraction, ...] = ()
+    other: Straight | None = None
+
+
+class System(NamedTuple):
+    """Heights over the pieces: of the rule base, at the opposite point, or of another rule base.
+
+    Attributes
+    ----------
+    model : Straight
+        The rule base.
+    shift : int
+        Where its propositions begin.
+    first : int
+        Where its columns begin.
+    """
+
+    model: Straight
+    shift: int
+    first: int
+
+
+def _systems_of(model: Straight, region: Cut) -> tuple[System, ...]:
+    own = System(model, 0, 0)
+    second = model if region.mirrored else region.other
+    if second is None:
+        return (own,)
+    return own, System(second, len(model.propositions), model.columns)
 
 
 # ── one input ────────────────────────────────────────────────────────────────────────
@@ -108,7 +138,7 @@ class PieceGrid:
         For each input.
     ends : list of (Array, Array)
         For each proposition: its membership at the left and the right ends of the cells of
-        its input, from within. The mirrored propositions stand after the others.
+        its input, from within. Those of the second system stand after the others.
     inputs : list of int
         The input of each proposition.
     jumps : list of bool
@@ -121,8 +151,12 @@ class PieceGrid:
         lines = [(proposition.input, proposition.corners) for proposition in model.propositions]
         if region.mirrored:
             lines += [(i, _mirrored(corners)) for i, corners in lines]
+        if region.other is not None:
+            lines += [(each.input, each.corners) for each in region.other.propositions]
         self.inputs = [i for i, _ in lines]
         levels = _levels_of(model)
+        if region.other is not None:
+            levels += _levels_of(region.other)
         self.cells: list[list[Cell]] = []
         self.jumps: list[bool] = []
         exact: list[tuple[list[Fraction], list[Fraction]]] = [([], []) for _ in lines]
@@ -256,10 +290,10 @@ class Pieces:
         self.stop = stop or Stop()
         self.arithmetic = arithmetic
         self.grid = PieceGrid(model, region, arithmetic, self.stop)
-        self.systems = 2 if region.mirrored else 1
+        self.systems = _systems_of(model, region)
         dimension = len(region.box)
         numbers = [len(cells) for cells in self.grid.cells]
-        columns = self.systems * model.columns
+        columns = sum(system.model.columns for system in self.systems)
         numbers_of_each = (dimension + 1) * (dimension + columns) + dimension * columns
         self.most = min(MOST_PIECES, MOST_NUMBERS // numbers_of_each)
         count = math.prod(numbers) if only is None else len(only)
@@ -365,18 +399,21 @@ class Pieces:
 
     # ── the rules, one after the other ───────────────────────────────────────────────
 
-    def fire(self, adds: bool) -> None:
-        """Fill in the heights rule by rule, cutting wherever a height has a kink."""
-        for system in range(self.systems):
-            for rule in self.model.rules:
-                self._fire_rule(rule, system, adds=adds)
-        if self.model.form is not None:
-            self._cut_at_layers()
+    def fire(self) -> None:
+        """Fill in the heights rule by rule, cutting wherever a height has a kink.
 
-    def _fire_rule(self, rule: StraightRule, system: int, *, adds: bool) -> None:
+        Products of memberships have no columns: they are formed where they are asked for.
+        """
+        for system in self.systems:
+            for rule in () if system.model.multiplies else system.model.rules:
+                self._fire_rule(rule, system)
+        for system in self.systems:
+            if not system.model.multiplies and system.model.form is not None:
+                self._cut_at_layers(system.model.form, system.first)
+
+    def _fire_rule(self, rule: StraightRule, system: System) -> None:
         weight = self.arithmetic.number(rule.weight)
-        shift = system * len(self.model.propositions)
-        first = system * self.model.columns
+        shift, first, adds = system.shift, system.first, system.model.adds
 
         def strength(which: Array, undecided: list[Array]) -> _Affine:
             truth = self._truth(rule.antecedent, which, shift, undecided)
@@ -480,46 +517,38 @@ class Pieces:
             self.doubtful[which[unclear & differ]] = True
         return _Affine(values, slopes)
 
-    def _cut_at_layers(self) -> None:
+    def _cut_at_layers(self, form: ClosedForm, first: int) -> None:
         """Cut where a height passes a level at which the aggregate changes form."""
-        form = self.model.form
-        assert form is not None
         number = self.arithmetic.number
-        for system in range(self.systems):
-            first = system * self.model.columns
 
-            def column(index: int, which: Array, first: int = first) -> Array:
-                return self.heights[which, :, first + index]
+        def column(index: int, which: Array) -> Array:
+            return self.heights[which, :, first + index]
 
-            for index, layers in enumerate(form.set_layers):
-                levels = [number(level) for level in _inner_levels(layers)]
+        for index, layers in enumerate(form.set_layers):
+            levels = [number(level) for level in _inner_levels(layers)]
 
-                def own_levels(
-                    ids: Array, index: int = index, levels: Any = levels, column: Any = column
-                ) -> list[Array]:
-                    return [column(index, ids) - level for level in levels]
+            def own_levels(ids: Array, index: int = index, levels: Any = levels) -> list[Array]:
+                return [column(index, ids) - level for level in levels]
 
-                which = np.flatnonzero(any_of_rows(self.heights[:, :, first + index] > 0))
-                self._refine(which, own_levels)
-            for overlap in form.overlaps:
-                levels = [number(level) for level in _inner_levels(overlap.layers)]
-                members = (overlap.member, *overlap.others)
-                some = [any_of_rows(self.heights[:, :, first + m] > 0) for m in members]
-                which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
+            which = np.flatnonzero(any_of_rows(self.heights[:, :, first + index] > 0))
+            self._refine(which, own_levels)
+        for overlap in form.overlaps:
+            levels = [number(level) for level in _inner_levels(overlap.layers)]
+            members = (overlap.member, *overlap.others)
+            some = [any_of_rows(self.heights[:, :, first + m] > 0) for m in members]
+            which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
 
-                def against(
-                    ids: Array, overlap: Any = overlap, levels: Any = levels, column: Any = column
-                ) -> list[Array]:
-                    undecided = []
-                    above = column(overlap.others[0], ids)
-                    for other in overlap.others[1:]:
-                        undecided.append(above - column(other, ids))
-                        above = np.maximum(above, column(other, ids))
-                    own_degree = column(overlap.member, ids)
-                    lower = np.minimum(own_degree, above)
-                    return [*undecided, own_degree - above, *(lower - level for level in levels)]
+            def against(ids: Array, overlap: Any = overlap, levels: Any = levels) -> list[Array]:
+                undecided = []
+                above = column(overlap.others[0], ids)
+                for other in overlap.others[1:]:
+                    undecided.append(above - column(other, ids))
+                    above = np.maximum(above, column(other, ids))
+                own_degree = column(overlap.member, ids)
+                lower = np.minimum(own_degree, above)
+                return [*undecided, own_degree - above, *(lower - level for level in levels)]
 
-                self._refine(which, against)
+            self._refine(which, against)
 
     # ── cutting ──────────────────────────────────────────────────────────────────────
 
@@ -627,8 +656,7 @@ def cut(
         When time is over.
     """
     pieces = Pieces(model, what, arithmetic, only, stop)
-    if not model.multiplies:
-        pieces.fire(model.adds)
+    pieces.fire()
     if what.form:
         pieces.cut_at_form(what.form)
     return pieces

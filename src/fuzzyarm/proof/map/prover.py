@@ -68,6 +68,7 @@ class QuotientProblem:
     mirrored: bool = False
     steep: bool = False
     form: tuple[Fraction, ...] = ()
+    other: Straight | None = None
 
 
 class Prover:
@@ -319,6 +320,27 @@ class Prover:
         question = QuotientProblem(self.box(region), Surface.odd, mirrored=True)
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+
+    def apart(self, other: Prover) -> Bounds:
+        """Return bounds of this output minus that of another rule base over the same inputs.
+
+        Raises
+        ------
+        UnprovableError
+            If one of both is not made of straight pieces, has no value somewhere, or leaves its
+            range; or if the inputs differ in number, order, range or what is done outside.
+        """
+        for each in (self, other):
+            each.demand_pieces("a difference")
+            each._demand_value_everywhere("a difference")
+            each.demand_inside_range("a difference", each.box({}))
+        box, second = self.box({}), other.model
+        if box != other.box({}):
+            raise UnprovableError("a difference: the inputs have different ranges")
+        assert second is not None
+        return self.bounds_of(
+            QuotientProblem(box, lambda surface: surface.apart(second), other=second)
+        )
 
     def uncovered(self, region: Mapping[str, tuple[float, float]]) -> dict[str, Fraction] | None:
         """Return a point at which no rule fires; None if there is none.
@@ -604,18 +626,20 @@ class Prover:
         """Return the pieces that a question needs; whole cuts are remembered."""
         assert self.model is not None
         positions = tuple(tuple(position) for position in question.positions)
+        # The other rule base is held by the question only: its pieces are not remembered.
+        remembers = cells is None and question.other is None
         key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
-        if cells is None and key in self._surfaces:
+        if remembers and key in self._surfaces:
             surface = self._surfaces[key]
             surface.pieces.stop = self.stop
             return surface
-        what = Cut(question.box, positions, question.mirrored, question.form)
+        what = Cut(question.box, positions, question.mirrored, question.form, question.other)
         try:
             pieces = cut(self.model, what, arithmetic, cells, self.stop)
             new_surface = Surface(self.model, pieces)
         except TooManyPiecesError as error:
             raise UnprovableError(str(error)) from None
-        if cells is None:
+        if remembers:
             self._surfaces[key] = new_surface
         return new_surface
 

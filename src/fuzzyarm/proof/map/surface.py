@@ -6,6 +6,7 @@ quotient with a denominator that is nowhere negative:
 
     value      M / A                        slope    (M′A − MA′) / A²
     table      (M − B·A) / A                odd      (M₁A₂ + M₂A₁) / (A₁A₂)
+    apart      (M₁A₂ − M₂A₁) / (A₁A₂), of two rule bases
     gradient   Σ (M′A − MA′)² / A⁴
     sector     (M + cA) / (σA), the centre c and a sum σ of the inputs
 """
@@ -186,6 +187,23 @@ class Surface:
 
         return self._quotients(self.degree + self.area_degree, make)
 
+    def apart(self, other: Straight) -> Quotients:
+        """Return the value less that of another rule base, the second system of the pieces."""
+        second = Surface(other, self.pieces)
+        shift = self.centre - second.centre
+
+        def make(which: Array, points: Array) -> _Parts:
+            one = self._sums(which, points, slopes=False)
+            two = second._sums(which, points, slopes=False, system=1)
+            lower = one.area * two.area
+            upper = one.moment * two.area - two.moment * one.area + shift * lower
+            size = 4.0 * MARGIN * one.size * two.size
+            far = self.reach + second.reach + abs(float(shift))
+            return _Parts(upper, lower, size * far, size)
+
+        degrees = self.degree + second.area_degree, second.degree + self.area_degree
+        return self._quotients(max(degrees), make)
+
     def difference(self, table: TableValues) -> Quotients:
         """Return the value less that of a table."""
 
@@ -244,7 +262,8 @@ class Surface:
     def _fired(self, *, valued: bool) -> Array:
         counts = self.model.counts if valued else (True,) * self.model.columns
         if not self.model.multiplies:
-            some = np.flatnonzero(counts * self.pieces.systems)
+            own = [system.first for system in self.pieces.systems if system.model is self.model]
+            some = np.concatenate([first + np.flatnonzero(counts) for first in own])
             return np.asarray(self.pieces.heights[:, :, some].sum(axis=2))
         points = barycentric(self.dimension, 1, exact=self.arithmetic.exact)
         which = np.arange(self.pieces.count)
@@ -325,7 +344,7 @@ class Surface:
     def _add_sets(self, sums: _Sum, which: Array, points: Array, system: int) -> None:
         form = self.model.form
         assert form is not None
-        first = system * self.model.columns
+        first = self.pieces.systems[system].first
         chunk = self.pieces.heights[which]
         slopes = self.pieces.slopes[which]
         columns = {
@@ -378,8 +397,7 @@ class Surface:
 
     def _add_numbers(self, sums: _Sum, which: Array, points: Array, system: int) -> None:
         number = self.arithmetic.number
-        first = system * self.model.columns
-        for column, rows, height, slope in self._strengths(which, points, first):
+        for column, rows, height, slope in self._strengths(which, points, system):
             area = number(self.model.areas[column])
             value, value_slopes = self._value(column, which[rows], points)
             sums.add(
@@ -413,12 +431,13 @@ class Surface:
         return values, slopes
 
     def _strengths(
-        self, which: Array, points: Array, first: int
+        self, which: Array, points: Array, system: int
     ) -> Iterator[tuple[int, Array, Array, Array | None]]:
         """Yield (column, rows, heights at the lattice, slopes there)."""
         if self.model.multiplies:
-            yield from self._products(which, points, mirrored=first > 0)
+            yield from self._products(which, points, system)
             return
+        first = self.pieces.systems[system].first
         for column in range(self.model.columns):
             rows = np.flatnonzero(any_of_rows(self.pieces.heights[which, :, first + column] > 0))
             if rows.size:
@@ -426,10 +445,10 @@ class Surface:
                 yield column, rows, height, slope[:, None, :]
 
     def _products(
-        self, which: Array, points: Array, *, mirrored: bool = False
+        self, which: Array, points: Array, system: int = 0
     ) -> Iterator[tuple[int, Array, Array, Array]]:
         """Yield the same for products of memberships, rule by rule."""
-        shift = len(self.model.propositions) if mirrored else 0
+        shift = self.pieces.systems[system].shift
         for rule in self.model.rules:
             active = self.pieces.may_fire(rule.antecedent, shift)[which]
             rows = np.flatnonzero(active)
