@@ -272,6 +272,8 @@ class Line:
             words += ", within {!r} .. {!r}".format(*options["within"])
         if "hold" in options:
             words += ", anti-windup hold"
+        if "back" in options:
+            words += f", anti-windup back {options['back'] * 1e3!r} ms"
         if "start" in options:
             words += f", start {options['start']!r}"
         return f"{self.name} = {words}"
@@ -717,6 +719,11 @@ class Runner:
                 # One gain leads from the integral to the drive; its sign is that of the gain.
                 excess = before.get("excess", zero) * float(options["hold"])
                 step = np.where(excess * x < 0.0, 0.0, step)
+            if "back" in options:
+                way = line.gain * self.loop.drives[0].sign
+                step = step + before.get("excess", zero) / way * period / max(
+                    float(options["back"]), period
+                )
             value = value + step
             if "within" in options:
                 value = np.clip(value, *options["within"])

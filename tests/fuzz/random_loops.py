@@ -481,13 +481,25 @@ def _law(
     )
     if draw.random() < 0.2:
         options: dict[str, object] = draw.choice(
-            [{}, {"within": (-0.5, 0.5)}, {"hold": 1.0}, {"within": (-0.2, 0.4), "start": 0.1}]
+            [
+                {},
+                {"within": (-0.5, 0.5)},
+                {"hold": 1.0},
+                {"within": (-0.2, 0.4), "start": 0.1},
+                {"back": 0.1, "start": 0.1},
+                {"back": 0.5, "within": (-1.0, 1.0)},
+            ]
         )
         gain = draw.choice([0.2, 1.0])
         if "hold" in options:
             options = {"hold": gain}
         lines.append(Line("i", "integral", (signals[0],), gain, options))
         lines.append(Line("t", "sum", ("k", "i"), 1.0, {"signs": (1.0, 1.0)}))
+        if "back" not in options and draw.random() < 0.3:  # back needs one way to the drive
+            where = ("t", draw.choice(["<", ">"]), draw.choice([-0.1, 0.1, 1.0]))
+            lines.append(Line("z", "choice", draw.choice([("t", "k"), ("k", "t")]), 1.0,
+                              {"where": where}))  # fmt: skip
+            return "z", plant.input
         return "t", plant.input
     return "k", plant.input
 
