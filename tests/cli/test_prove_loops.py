@@ -214,8 +214,9 @@ def test_a_proof_begins_at_the_start_of_a_slewed_actuator(capsys, tmp_path, star
     assert ("level = 0.0399 after 0.01 s" in out) is (verdict[0] == "r")
 
 
+@pytest.mark.parametrize("queue", ["deque", "list"])
 @pytest.mark.parametrize("at_start", [False, True])
-def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start):
+def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start, queue):
     made = "    def start(self, rng):" if at_start else "    def __init__(self):"
     (tmp_path / "own.py").write_text(
         "from collections import deque\n\n"
@@ -227,13 +228,14 @@ def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start)
         "    states = {'position': 'rad', 'velocity': 'rad/s'}\n"
         "    axis = 'shaft'\n\n"
         f"{made}\n"
-        "        self.late = deque([0.0] * 5)\n"
+        f"        self.late = {queue}([0.0] * 5)\n"
         f"{'        return [0.0, 0.0]' if at_start else ''}\n\n"
         "    def step(self, t, x, u, p, dt):\n"
         "        self.late.append(x[0])\n"
         "        return [x[0] + dt * x[1], x[1] + dt * u[0]]\n\n"
         "    def measure(self, t, x, u, p):\n"
-        "        return [self.late.popleft() if len(self.late) > 5 else self.late[0], x[1]]\n",
+        f"        y = self.late.{'popleft()' if queue == 'deque' else 'pop(0)'}\n"
+        "        return [y, x[1]]\n",
         encoding="utf-8",
     )
     plant = str(tmp_path / "own.py")

@@ -147,11 +147,14 @@ def expressions_of(plant: Any) -> Roots | None:
 
 
 def has_queue(plant: Any) -> bool:
-    """Whether a plant keeps a queue, for instance for a delay."""
+    """Whether a plant keeps a queue, for instance for a delay: a list is one that its code pops."""
     plant = apart(plant)
     plant.start(np.random.default_rng(0))  # usually created there
     kept = [*vars(plant).values(), *vars(type(plant)).values()]
-    return any(isinstance(value, deque | Queue) for value in kept)
+    codes = [getattr(each, "__code__", None) for each in vars(type(plant)).values()]
+    pops = any("pop" in code.co_names for code in codes if code is not None)
+    kinds = (deque, Queue, list) if pops else (deque, Queue)
+    return any(isinstance(value, kinds) for value in kept)
 
 
 def _traced(plant: Any) -> Equations | None:

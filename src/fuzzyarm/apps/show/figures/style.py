@@ -106,6 +106,7 @@ def short_numbers(axis: Any) -> None:
     if isinstance(axis.get_major_formatter(), ScalarFormatter):
         # Plain down to 0.0001: milliseconds of a time axis stay readable.
         axis.get_major_formatter().set_powerlimits((-5, 5))
+        axis.get_major_formatter().set_useOffset(False)
 
 
 def colour_bar(part: Any, image: Any, axes: Axes, label: str, *, shrink: float) -> Any:
