@@ -16,6 +16,7 @@ from fuzzyarm.proof.check.bands import RuleBands
 from fuzzyarm.proof.check.forms import Form, FormNumbers, combined
 from fuzzyarm.proof.check.numbers import function
 from fuzzyarm.proof.check.rules import RuleSurface, RuleSurfaces
+from fuzzyarm.proof.check.slopes import Slope, applied
 from fuzzyarm.proof.check.spans import Matrices, Spans
 
 
@@ -63,6 +64,17 @@ def test_functions_hold_the_values_of_arb(name: str) -> None:
         assert exact.lower() <= arb(float(found.high[k]))
         room = 1e4 * (x.high[k] - x.low[k]) + 1e-11 * (1.0 + np.abs(found.high[k]))
         assert found.high[k] - found.low[k] <= room
+
+
+def test_a_division_by_an_interval_around_zero_is_known_of_the_others() -> None:
+    a = Spans(np.array([1.0, 1.0]), np.array([2.0, 2.0]))
+    b = Spans(np.array([-1.0, 4.0]), np.array([5.0, 5.0]))
+    for found in (a / b, applied("divide", [Slope(a, {}), Slope(b, {})]).value):
+        assert np.isnan([found.low[0], found.high[0]]).all()
+        assert found.low[1] == pytest.approx(0.2)
+        assert found.high[1] == pytest.approx(0.5)
+        assert found.low[1] < 0.2
+        assert found.high[1] > 0.5
 
 
 def test_products_of_matrices_hold_those_of_rationals() -> None:

@@ -16,6 +16,7 @@ from fuzzyarm.plant import find_plant
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import StartMap, read_claim
+from fuzzyarm.proof.loop.algebra import Zonotopes
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
@@ -24,6 +25,7 @@ from fuzzyarm.proof.loop.planes import RulePlanes
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.start_map import MappedBox
 from fuzzyarm.proof.loop.symmetry import is_odd
+from fuzzyarm.proof.loop.zonotope import Forms
 from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.requests.prove import ProveRequest
 
@@ -117,7 +119,7 @@ def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved
         "axis a\n  e = error of y\n  p = e * 2\n  drive push = p\n"
     )
     plant = find_plant(str(tmp_path / "cliff.py"))
-    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=2.5)
+    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=6.0)
     # y' = y/2 + u with |u| ≤ 1 comes back from |y| < 2 and from nowhere else.
     for box in found.boxes:
         near, far = min(map(abs, (*box.low, *box.high))), max(map(abs, (*box.low, *box.high)))
@@ -128,6 +130,22 @@ def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved
             assert near >= 1.9
     assert found.share("proved") >= 0.4
     assert found.share("refuted") >= 0.4
+
+
+def test_a_limit_that_some_boxes_reach_holds_no_integral_of_the_others() -> None:
+    """A form of a box beside one at the limit had an excess of a rounding, and never arrived."""
+    numbers = Zonotopes(2, RulePlanes)
+    numbers.count = 1
+    demand = Forms.between([1.0, 11.0], [2.0, 13.0]).with_symbols(1, [0])
+    moved = numbers.excess(numbers.limit(demand, 0.0, 12.0), demand, 0.0, 12.0).bounds
+    assert (moved.low[0], moved.high[0]) == (0.0, 0.0)
+    assert moved.low[1] <= -1.0
+    found = fuzzyarm.prove(
+        fuzzyarm.shipped("tanks.frb"), "stable at level2 = 0.2", plant="tanks", map=True,
+        budget=60.0, over={"level1": (0.1, 0.13), "level2": (0.1, 0.13)},
+    )  # fmt: skip
+    assert found.share("proved") == pytest.approx(1.0)
+    assert found.settled == found.settled_proved == 400
 
 
 def test_a_journal_is_gone_on_with(tmp_path: Path) -> None:

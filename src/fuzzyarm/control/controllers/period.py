@@ -281,6 +281,10 @@ class Algebra(Generic[T]):
         """Return ``min(max(x, low), high)``."""
         raise NotImplementedError
 
+    def excess(self, value: T, x: T, low: float, high: float) -> T:
+        """Return how far a limit has moved x, to a value."""
+        return self.subtract(value, x)
+
     def near(self, x: T, before: T, most: float) -> T:
         """Return ``min(max(x, before - most), before + most)``."""
         raise NotImplementedError
@@ -622,7 +626,7 @@ class ControlPeriod(Generic[T]):
             value = algebra.limit(demand, *line.within)
             excess = _of_drive(self.axis, line, "excess")
             if excess.name in self.cells:
-                self.remember(excess, algebra.subtract(value, demand))
+                self.remember(excess, algebra.excess(value, demand, *line.within))
         if line.slew is not None:
             before = _of_drive(self.axis, line, "slew")
             most = line.slew * self.axes.every * self.model.period

@@ -10,6 +10,7 @@ import numpy as np
 from flint import arb, fmpq
 
 from fuzzyarm.proof.check.numbers import (
+    ONE,
     ZERO,
     Matrix,
     Number,
@@ -32,11 +33,14 @@ from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 FAR = exact(1e308)
 """As far as numbers go: what is affine as far as that is affine."""
 
-LAST = 16
-"""The highest power of the series of a motion at least."""
+SMALL, LESS = 2.0**-120, 2.0**-60
+"""Bounds of the terms left out of the series of a motion: of one, and of many at once."""
 
 SHORT = 12
 """The norm up to which a motion is one series."""
+
+STEPS = 4
+"""Steps of second order in a period, of what begins at one point."""
 
 MOST_HALVINGS = 14
 """How often a period is halved for that."""
@@ -79,7 +83,7 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
     if any(isinstance(x, Spans) for row in step for x in row):
         return _flows(step)[:count]
     norm = max(float_above(sum((x.abs_upper() for x in row), arb(0))) for row in step)
-    halvings, last, tail = _terms(norm)
+    halvings, last, tail = _terms(norm, SMALL)
     step = [[x / 2**halvings for x in row] for row in step]
     total: Matrix = identity(size)
     term = total
@@ -93,7 +97,7 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
     return total[:count]
 
 
-def _terms(norm: float) -> tuple[int, int, Number]:
+def _terms(norm: float, small: float) -> tuple[int, int, Number]:
     """Return how often a period is halved, the last power, and a bound of the terms after it."""
     norm *= 1.0 + 1e-9
     # Over halves of a period, one after another: the flow over both is their product.
@@ -101,8 +105,9 @@ def _terms(norm: float) -> tuple[int, int, Number]:
     if halvings > MOST_HALVINGS:
         raise LoopProofError("a period is long compared with the plant's motion")
     norm /= 2**halvings
-    last = LAST + 4 * math.ceil(norm)
-    # Terms fall by more than half from there on.
+    last = 4 * math.ceil(norm)  # terms fall by more than half from there on
+    while arb(norm) ** (last + 1) * 2 > math.factorial(last + 1) * arb(small):
+        last += 1
     return halvings, last, arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
 
 
@@ -110,13 +115,11 @@ def _flows(step: Matrix) -> Matrix:
     """Return the same sum of many motions at once; those of one norm, rounded up, alike."""
     way = Matrices.of(step)
     norms = ((np.abs(way.near) + way.far).sum(axis=-1).max(axis=-1) * (1.0 + 1e-9)).ravel()
-    if not np.isfinite(norms).all():
-        raise LoopProofError("a period is long compared with the plant's motion")
-    norms = np.exp2(np.ceil(4.0 * np.log2(np.maximum(norms, 2.0**-20))) / 4.0) * (1.0 + 1e-9)
-    total = Matrices(np.zeros_like(way.near), np.zeros_like(way.far))
-    for norm in np.unique(norms):
+    norms = np.exp2(np.ceil(np.log2(np.maximum(norms, 2.0**-6)))) * (1.0 + 1e-9)
+    total = Matrices(np.full_like(way.near, np.nan), np.full_like(way.far, np.nan))
+    for norm in np.unique(norms[norms < SHORT * 2.0**MOST_HALVINGS]):  # of others nothing is known
         which = (norms == norm).reshape(way.near.shape[:-2])
-        found = _flows_of(Matrices(way.near[which], way.far[which]), *_terms(float(norm)))
+        found = _flows_of(Matrices(way.near[which], way.far[which]), *_terms(float(norm), LESS))
         total.near[which], total.far[which] = found.near, found.far
     return total.rows
 
@@ -137,7 +140,10 @@ def _flows_of(way: Matrices, halvings: int, last: int, tail: Number) -> Matrices
 def around_motion(
     problem: LoopProblem, ranges: Mapping[str, Number], time: Number | None = None
 ) -> dict[str, Number]:
-    """Return a box that no motion which begins in the given one leaves in a period, or a time."""
+    """Return a box that no motion which begins in the given one leaves in a period, or a time.
+
+    Of many: NaN where none was found.
+    """
     equations = problem.equations
     whole = between(ZERO, exact(problem.period) if time is None else time)
 
@@ -150,18 +156,48 @@ def around_motion(
         return {**box, **after}
 
     wide = dict(ranges)
-    for _ in range(20):
+    stay: Any = None
+    for count in range(20):
         box = moved(wide)
-        if all(holds(wide[key], box[key]) for key in equations.states):
-            # Picard's operator takes `wide` into itself, so no motion leaves what it makes of it.
-            return moved(box)
+        # Picard's operator takes `wide` into itself, so no motion leaves what it makes of it.
+        if count and all(holds(wide[key], box[key]) for key in equations.states):
+            return moved(box) if stay is None else box
         stay = _enclosed(wide, box, equations.states)
+        if stay is not None and (stay | _is_unknown(box, equations.states)).all():
+            break
         for key in equations.states:
             # Wider by a share of what the motion adds: narrow states beside wide ones, too.
             added = _width(box[key]) - _width(ranges[key])
             wider = around(box[key], added / 4 + fmpq(1, 10**12))
             wide[key] = wider if stay is None else Spans.of(wide[key]).chosen(stay, wider)
-    raise LoopProofError("the motion within a period was not enclosed")
+    if stay is None:
+        raise LoopProofError("the motion within a period was not enclosed")
+    nothing = Spans(np.nan, np.nan)
+    return {**box, **{key: Spans.of(box[key]).chosen(stay, nothing) for key in equations.states}}
+
+
+def end_of_motion(
+    problem: LoopProblem, ranges: Mapping[str, Number], steps: int = STEPS
+) -> list[Number]:
+    """Return where a motion from one point is after a period, by steps x + h f + ½ h² f' f."""
+    equations = problem.equations
+    h = exact(problem.period) / steps
+    at = [ranges[key] for key in equations.states]
+    for _ in range(steps):
+        here = {**ranges, **dict(zip(equations.states, at, strict=True))}
+        over = slopes_of(equations.rates, {
+            k: Slope(s, {k: ONE} if k in equations.states else {})
+            for k, s in around_motion(problem, here, h).items()
+        })  # fmt: skip
+        begin = slopes_of(equations.rates, {k: Slope(s, {}) for k, s in here.items()})
+        # x'' = f'(x) f(x), over the box: the remainder of second order in Lagrange's form.
+        bends = product([[s.along.get(k, ZERO) for k in equations.states] for s in over],
+                        [[s.value] for s in over])  # fmt: skip
+        at = [
+            a + rate.value * h + bend[0] * (h * h / 2)
+            for a, rate, bend in zip(at, begin, bends, strict=True)
+        ]
+    return at
 
 
 def _enclosed(wide: Mapping[str, Number], box: Mapping[str, Number], keys: Sequence[str]) -> Any:
@@ -171,6 +207,14 @@ def _enclosed(wide: Mapping[str, Number], box: Mapping[str, Number], keys: Seque
     pairs = [(Spans.of(wide[key]), Spans.of(box[key])) for key in keys]
     return np.logical_and.reduce(
         np.broadcast_arrays(*((a.low <= b.low) & (b.high <= a.high) for a, b in pairs))
+    )
+
+
+def _is_unknown(box: Mapping[str, Number], keys: Sequence[str]) -> Any:
+    """Tell which of many boxes have no ends."""
+    spans = [Spans.of(box[key]) for key in keys]
+    return ~np.logical_and.reduce(
+        np.broadcast_arrays(*(np.isfinite(x.low) & np.isfinite(x.high) for x in spans))
     )
 
 

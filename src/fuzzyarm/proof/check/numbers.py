@@ -199,7 +199,7 @@ FUNCTIONS = (*RISING, "cosh", "sin", "cos", "tan", "acos", "absolute")
 
 
 def function(name: str, x: Number) -> Number:
-    """Return one of :data:`FUNCTIONS`; SpanError where it has no value, or no bound."""
+    """Return one of :data:`FUNCTIONS`; SpanError (of many: NaN) where it has no value or bound."""
     if name == "absolute":
         return abs(x) if isinstance(x, fmpq) else between(x.abs_lower(), x.abs_upper())
     if isinstance(x, Spans):
@@ -215,7 +215,7 @@ def _function(name: str, x: Number) -> Number:
         raise SpanError("the exponential of a large number")
     at = (least(x), greatest(x)) if name in RISING and not is_point(x) else (x,)
     values = [getattr(ball(end), name)() for end in at]
-    if not all(value.is_finite() for value in values):
+    if not all(isinstance(value, Spans) or value.is_finite() for value in values):
         raise SpanError(f"'{name}' has no value, or no bound, in an interval")
     value = hull(*values)
     if name in ("sin", "cos") and not magnitude(value) <= 1:

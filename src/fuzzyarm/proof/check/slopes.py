@@ -65,10 +65,13 @@ def _multiplied(a: Slope, b: Slope) -> Slope:
 
 
 def _inverse(a: Slope) -> Slope:
-    if not (a.value > 0 or a.value < 0):
+    if isinstance(a.value, Spans):  # NaN where one contains 0
+        value: Number = ONE / a.value
+    elif a.value > 0 or a.value < 0:
+        # Between its values at the ends: one ball around all would be wider.
+        value = hull(ONE / least(a.value), ONE / greatest(a.value))
+    else:
         raise SpanError("a division by an interval that contains 0")
-    # Between its values at the ends: one ball around all would be wider.
-    value = hull(ONE / least(a.value), ONE / greatest(a.value))
     return a.scaled(value, -square(value))
 
 

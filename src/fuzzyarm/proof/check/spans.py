@@ -107,14 +107,20 @@ class Spans:
         return found
 
     def __mul__(self, other: Any) -> Spans:
-        return self._by_ends(operator.mul, Spans.of(other))
+        other = Spans.of(other)
+        for x, number in ((self, other), (other, self)):
+            if number.low.ndim == 0 and number.low == number.high:
+                ends = (x.low, x.high) if number.low >= 0.0 else (x.high, x.low)
+                return Spans(_below(ends[0] * number.low), _above(ends[1] * number.low))
+        return self._by_ends(operator.mul, other)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Spans:
         other = Spans.of(other)
-        if np.any((other.low <= 0.0) & (other.high >= 0.0)):
-            return Spans(*np.broadcast_arrays(-np.inf, self.high)) * 0.0  # nothing is known: NaN
+        around = (other.low <= 0.0) & (other.high >= 0.0)
+        if np.any(around):  # nothing is known of those
+            other = Spans(*(np.where(around, np.nan, end) for end in (other.low, other.high)))
         return self._by_ends(operator.truediv, other)
 
     def __rtruediv__(self, other: Any) -> Spans:
@@ -123,8 +129,9 @@ class Spans:
 
     def _by_ends(self, how: Callable[[Any, Any], Any], other: Spans) -> Spans:
         """Return the range of a function monotone in both arguments: its extremes are at ends."""
-        found = [how(a, b) for a in (self.low, self.high) for b in (other.low, other.high)]
-        return Spans(_below(np.minimum.reduce(found)), _above(np.maximum.reduce(found)))
+        a, b, c, d = (how(x, y) for x in (self.low, self.high) for y in (other.low, other.high))
+        low = np.minimum(np.minimum(a, b), np.minimum(c, d))
+        return Spans(_below(low), _above(np.maximum(np.maximum(a, b), np.maximum(c, d))))
 
     # --- comparisons: of all ---
 
@@ -218,7 +225,13 @@ class Spans:
         return lambda: self._function(name)
 
     def _function(self, name: str) -> Spans:
-        """Return a function: small waves by a polynomial, others Arb's, interval by interval."""
+        """Return a function: roots as IEEE 754 rounds them, small waves by a polynomial.
+
+        Others are Arb's, interval by interval; where one has no value it is NaN.
+        """
+        if name == "sqrt":
+            low, high = np.sqrt(self.low), np.sqrt(self.high)
+            return Spans(np.maximum(_below(low), 0.0), _above(high))
         if name in WAVES:
             small = self.abs_upper().low <= WIDE
             if small.all():

@@ -28,6 +28,7 @@ from fuzzyarm.proof.check.forms import ENLARGED, Form, FormNumbers, combined
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.motion import (
     around_motion,
+    end_of_motion,
     flow_over,
     is_affine,
     jacobian_of,
@@ -54,9 +55,6 @@ from fuzzyarm.symbolic.nodes import symbols
 
 MOST_SYMBOLS = 14
 """Symbols for each state above which a set is made simpler."""
-
-STEPS = 4
-"""Steps of second order in a period, of what begins in the middle of a set."""
 
 AT_ONCE = 4096
 """Sets that are followed side by side."""
@@ -235,7 +233,7 @@ class Follower:
         else:
             moving = self._around([s.span for s in states], [s.span for s in drives])
             flow = flow_over(jacobian_of(problem, moving), exact(problem.period))
-            ends = self._followed(x, u)
+            ends = end_of_motion(problem, self._symbols(x, u))
         return [*self._moved(flow, [*states, *drives], ends), *after], span
 
     def _symbols(self, states: Sequence[Number], inputs: Sequence[Number]) -> dict[str, Number]:
@@ -255,28 +253,6 @@ class Follower:
         values = {k: Slope(value, {}) for k, value in self._symbols(x, u).items()}
         rates = [[rate.value] for rate in slopes_of(self.problem.equations.rates, values)]
         return [a + b[0] for a, b in zip(x, product(self._flow[1], rates), strict=True)]
-
-    def _followed(self, x: Sequence[Number], u: Sequence[Number]) -> list[Number]:
-        """Return where the plant is a period later, from one point: x + h f + ½ h² f' f."""
-        equations, problem = self.problem.equations, self.problem
-        h = exact(problem.period) / STEPS
-        at = list(x)
-        for _ in range(STEPS):
-            box = around_motion(problem, self._symbols(at, u), h)
-            over = slopes_of(equations.rates, {
-                k: Slope(s, {k: ONE} if k in equations.states else {}) for k, s in box.items()
-            })  # fmt: skip
-            begin = slopes_of(
-                equations.rates, {k: Slope(s, {}) for k, s in self._symbols(at, u).items()}
-            )
-            # x'' = f'(x) f(x), over the box: the remainder of second order in Lagrange's form.
-            bends = product([[s.along.get(k, ZERO) for k in equations.states] for s in over],
-                            [[s.value] for s in over])  # fmt: skip
-            at = [
-                a + rate.value * h + bend[0] * (h * h / 2)
-                for a, rate, bend in zip(at, begin, bends, strict=True)
-            ]
-        return at
 
     def _within(self, states: Sequence[Form], drives: Sequence[Form], port: str) -> Spans:
         """Return where an output or a drive is from this sample to the next."""

@@ -20,7 +20,7 @@ from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.period import LoopAlgebra
 from fuzzyarm.proof.loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.proof.loop.readings import pruned, read, readable
-from fuzzyarm.proof.loop.zonotope import Forms, clip, larger, smaller, stacked
+from fuzzyarm.proof.loop.zonotope import Forms, chosen, clip, larger, smaller, stacked
 from fuzzyarm.symbolic.nodes import Constant, Node
 from fuzzyarm.table import LookupTable
 
@@ -94,6 +94,15 @@ class Zonotopes(LoopAlgebra[Number]):
         if (bounds.low >= low).all() and (bounds.high <= high).all():
             return x
         return self.fresh(clip(forms, low, high))
+
+    def excess(self, value: Number, x: Number, low: float, high: float) -> Number:
+        """Return how far a limit has moved x: exactly 0 of boxes that are within it."""
+        moved = self.subtract(value, x)
+        if not isinstance(moved, Forms):
+            return moved
+        bounds = self.forms(x).bounds
+        inside = (bounds.low >= low) & (bounds.high <= high)
+        return chosen(inside, Forms.at(np.zeros(self.batch)), moved)
 
     def near(self, x: Number, before: Number, most: float) -> Number:
         """Return ``min(max(x, before - most), before + most)``."""

@@ -390,6 +390,14 @@ class Flow:
         except CornerError:
             return self._mean(start, constants, inputs, box, time, length)
 
+    def step_of_first_order(
+        self, start: Forms, constants: Mapping[str, Forms], time: float, length: float
+    ) -> Step:
+        """Take one step without slopes, as where there is a corner."""
+        inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
+        box = self._box(start.bounds, inputs, time, length)
+        return self._mean(start, constants, inputs, box, time, length)
+
     # ── the box ──────────────────────────────────────────────────────────────────────
 
     def rates_over(self, states: Forms, constants: Mapping[str, Forms], time: Intervals) -> Forms:

@@ -281,7 +281,7 @@ class Follower:
         undone = np.zeros(batch, dtype=bool)
         arrived = np.zeros(batch, dtype=bool)
         self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
-        first = self._outputs_at(states, constants, 0.0)
+        first = self.outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             self.reached = period
             states, memory, intervals, steps, parts = self.period_on(
@@ -333,19 +333,34 @@ class Follower:
 
         Last how many steps the next period is to take.
         """
-        algebra.count = len(states.parts)
         time = period * self.period
+        states, drives, after = self.controlled(
+            algebra, control, states, constants, memory, time, first=first
+        )
+        states, steps, parts = self.moved(states, {**constants, **drives}, time, parts)
+        return states, after, self._driven(drives), steps, parts
+
+    def controlled(
+        self,
+        algebra: Zonotopes,
+        control: LoopPeriod[Number],
+        states: Forms,
+        constants: Mapping[str, Forms],
+        memory: Mapping[str, Number],
+        time: float,
+        *,
+        first: bool,
+    ) -> tuple[Forms, dict[str, Forms], dict[str, Number]]:
+        """Return the states, the inputs of the plant over the same symbols, and the memory."""
+        algebra.count = len(states.parts)
         measurements = self._told(states, constants, time)
         inputs, after = control.run(measurements, memory, first=first)
         drives = {
             name: algebra.forms(inputs[port])
             for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
         }
-        intervals = self._driven(drives)
         # The period may have made new symbols, as for the band around a plane.
-        states = states.with_symbols(max(algebra.count, len(states.parts)))
-        states, steps, parts = self._moved(states, {**constants, **drives}, time, parts)
-        return states, after, intervals, steps, parts
+        return states.with_symbols(max(algebra.count, len(states.parts))), drives, after
 
     def _driven(self, inputs: Mapping[str, Forms]) -> Intervals:
         """Return where the inputs are: within the limits of their actuators."""
@@ -416,7 +431,8 @@ class Follower:
         readings = read(self.outputs, values)
         return dict(zip(self.problem.site.interface.outputs, readings, strict=True))
 
-    def _outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
+    def outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
+        """Return where the outputs are."""
         outputs = self._told(states, constants, time)
         return stacked([forms for forms in outputs.values() if isinstance(forms, Forms)]).bounds
 
@@ -446,7 +462,7 @@ class Follower:
                 )
         return Intervals(low, high)
 
-    def _moved(
+    def moved(
         self, states: Forms, constants: Mapping[str, Forms], time: float, parts: int
     ) -> tuple[Forms, list[tuple[Intervals, Intervals]], int]:
         """Return the states a period on, the outputs in its steps, and how many to take next."""
@@ -454,12 +470,12 @@ class Follower:
         while True:
             try:
                 state, steps, remainder = states, [], 0.0
-                before = self._outputs_at(states, parameters, time)
+                before = self.outputs_at(states, parameters, time)
                 length = self.period / parts  # of a power of two: exact
                 for index in range(parts):
                     begin = time + index * length
                     step = self._step(state, constants, begin, length)
-                    after = self._outputs_at(step.end, parameters, begin + length)
+                    after = self.outputs_at(step.end, parameters, begin + length)
                     over = self._outputs_between(
                         (before, after), step, parameters, begin, begin + length
                     )

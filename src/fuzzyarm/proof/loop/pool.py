@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals
+from fuzzyarm.proof.loop.flow import Flow
 from fuzzyarm.proof.loop.follower import ORDER, Box, Follower, Nearness
+from fuzzyarm.proof.loop.mean_flow import MeanFlow
 from fuzzyarm.proof.loop.period import LoopPeriod
-from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms
+from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, joined, stacked
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import symbols
 
@@ -33,10 +35,10 @@ ARRIVED, LOST, GIVEN_UP = "arrived", "lost", "given up"
 SYMBOLS = 12
 """Symbols for each state, beside those of the starts."""
 
-SIDE_BY_SIDE = 192
+SIDE_BY_SIDE = 1024
 """Boxes that are followed at once."""
 
-AT_LEAST = 48
+AT_LEAST = 256
 """Boxes that are taken in at once, while there are as many."""
 
 SPLIT, HARMLESS, MOST_HALVINGS = 0.5, 0.7, 14
@@ -101,12 +103,12 @@ class _Swarm:
         for name, x in self.memory.items():
             y = other.memory[name]
             if isinstance(x, Forms) or isinstance(y, Forms) or x != y:
-                memory[name] = _beside(_as_forms(x, sizes[0]), _as_forms(y, sizes[1]))
+                memory[name] = joined(_as_forms(x, sizes[0]), _as_forms(y, sizes[1]), -1)
             else:
                 memory[name] = x
         return _Swarm(
-            _beside(self.states, other.states),
-            {name: _beside(forms, other.constants[name]) for name, forms in self.constants.items()},
+            joined(self.states, other.states, -1),
+            {n: joined(x, other.constants[n], -1) for n, x in self.constants.items()},
             memory,
             self.boxes + other.boxes,
             np.concatenate([self.ages, other.ages]),
@@ -119,17 +121,6 @@ class _Swarm:
 
 def _as_forms(x: Number, count: int) -> Forms:
     return x if isinstance(x, Forms) else Forms.at(np.full(count, x))
-
-
-def _beside(a: Forms, b: Forms) -> Forms:
-    """Return forms of two batches as one."""
-    count = max(len(a.parts), len(b.parts))
-    a, b = (x if len(x.parts) == count else x.with_symbols(count) for x in (a, b))
-    return Forms(
-        np.concatenate([a.centre, b.centre], axis=-1),
-        np.concatenate([a.parts, b.parts], axis=-1),
-        np.concatenate([a.rest, b.rest], axis=-1),
-    )
 
 
 class Pool:
@@ -157,6 +148,8 @@ class Pool:
         self.count = len(self.follower.first.low)
         self.most = MOST_HALVINGS
         self.control = self._control(0)
+        self.flow = self.follower.flow
+        self.mean = MeanFlow(problem) if isinstance(self.flow, Flow) else None
         self.parts = 1
         self.steps = 0
 
@@ -222,15 +215,24 @@ class Pool:
         algebra, control = self._control(batch)
         try:
             follower.sizes = swarm.states.bounds.size.max(axis=1)
-            states, memory, _, steps, parts = follower.period_on(
-                algebra, control, swarm.states, swarm.constants, swarm.memory, 0, self.parts,
-                first=first,
-            )  # fmt: skip
-            at = steps[-1][1]
-            if not np.isfinite(at.size).all():
-                raise EnclosureError("the tube has no bound")
-            near = self.goal(states, memory, self.count)
-            states, memory = self._fewer(states, memory, algebra)
+            states, drives, memory = follower.controlled(
+                algebra, control, swarm.states, swarm.constants, swarm.memory, 0.0, first=first
+            )
+            states = self._moved(states, swarm.constants, drives)
+            later = replace(swarm, states=states, memory=memory, ages=swarm.ages + 1)
+            known = np.isfinite(states.radius).all(axis=0)
+            fates = [
+                self._fate(swarm.part(k), GIVEN_UP, EnclosureError("its tube has no bound"))
+                for k in np.flatnonzero(~known)[:, None]
+            ]
+            if fates:
+                later = later.part(np.flatnonzero(known))
+                algebra, _ = self._control(len(later.boxes))
+            if not later.boxes:
+                return later, fates
+            at = follower.outputs_at(later.states, later.constants, 0.0)
+            near = self.goal(later.states, later.memory, self.count)
+            later.states, later.memory = self._fewer(later.states, later.memory, algebra)
         except LostRunError as error:
             if batch == 1:
                 return swarm.part(np.zeros(0, dtype=np.int64)), [self._fate(swarm, LOST, error)]
@@ -241,21 +243,42 @@ class Pool:
                 fate = self._fate(swarm, GIVEN_UP, error)
                 return nothing, [fate._replace(box=box) for box in swarm.boxes]
             return self._apart(swarm, first=first)
-        self.parts = parts
         self.steps += 1
-        later = _Swarm(
-            states, swarm.constants, memory, swarm.boxes, swarm.ages + 1, swarm.doubtful,
-            near.starts, swarm.cuts, swarm.width,
-        )  # fmt: skip
-        return self._left(later, near, at)
+        later.weight = near.starts
+        stays, others = self._left(later, near, at)
+        return stays, fates + others
+
+    def _moved(
+        self, states: Forms, constants: Mapping[str, Forms], drives: Mapping[str, Forms]
+    ) -> Forms:
+        """Return the states a period later; of sets of which nothing is known without a bound."""
+        inputs = stacked([drives[name] for name in self.follower.inputs])
+        if self.mean is not None:
+            try:
+                ends = self.mean.ends(states, inputs)
+            except LoopProofError:  # the checker knows no slopes of the equations
+                self.mean = None
+        if self.mean is None:
+            everything = {**constants, **drives}
+            ends, _, self.parts = self.follower.moved(states, everything, 0.0, self.parts)
+            return ends
+        known = np.isfinite(ends.rest).all(axis=0)
+        if known.all() or not isinstance(self.flow, Flow):
+            return ends
+        which = np.flatnonzero(~known)
+        some = {name: forms[which] for name, forms in {**constants, **drives}.items()}
+        try:
+            step = self.flow.step_of_first_order(states[:, which], some, 0.0, self.follower.period)
+        except EnclosureError:
+            return ends
+        order = np.argsort(np.concatenate([np.flatnonzero(known), which]))
+        return joined(ends[:, known], step.end, -1)[:, order]
 
     def _apart(self, swarm: _Swarm, *, first: bool) -> tuple[_Swarm, list[Fate]]:
         """Return two halves, each a period later: one of the boxes is at fault."""
         middle = len(swarm.boxes) // 2
         every = np.arange(len(swarm.boxes))
-        parts = self.parts
         one, fates = self._advanced(swarm.part(every[:middle]), first=first)
-        self.parts = parts
         two, others = self._advanced(swarm.part(every[middle:]), first=first)
         return one.joined(two), fates + others
 

@@ -281,7 +281,7 @@ class Forms:
         forms = linear.within(tilt) + Forms.of(start + curved)
         plain = Forms.of(whole)
         # What it shares with others is given up only where that is less than what is not linear.
-        return _chosen(plain.radius < forms.rest, plain, forms)
+        return chosen(plain.radius < forms.rest, plain, forms)
 
 
 def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
@@ -291,6 +291,15 @@ def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
         a if len(a.parts) == count else a.with_symbols(count),
         b if len(b.parts) == count else b.with_symbols(count),
     )
+
+
+def joined(a: Forms, b: Forms, axis: int = 0) -> Forms:
+    """Return the forms of two arrays as one, along an axis."""
+    a, b = aligned(a, b)
+    pairs = (a.centre, b.centre), (a.parts, b.parts), (a.rest, b.rest)
+    after = axis + 1 if axis >= 0 else axis  # symbols come first
+    axes = (axis, after, axis)
+    return Forms(*(np.concatenate(pair, axis=k) for pair, k in zip(pairs, axes, strict=True)))
 
 
 def stacked(forms: Sequence[Forms]) -> Forms:
@@ -305,7 +314,7 @@ def stacked(forms: Sequence[Forms]) -> Forms:
     )
 
 
-def _chosen(condition: Any, first: Forms, second: Forms) -> Forms:
+def chosen(condition: Any, first: Forms, second: Forms) -> Forms:
     """Return the first form where a condition holds, else the second."""
     if not np.any(condition):
         return second

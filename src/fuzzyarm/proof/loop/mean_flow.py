@@ -1,0 +1,92 @@
+"""Where the solutions of a differential equation go in a period, by their mean slopes.
+
+With φ the end of the solution from a point, and Φ the slopes of all ends all over the set,
+
+    x(h) = φ(c) + Φ (x₀ − c),   c the middle of the set, inputs among its coordinates
+
+(mean value theorem). Both are those of :mod:`fuzzyarm.proof.check.motion`, over intervals alone,
+and the symbols of a set are multiplied once; :class:`fuzzyarm.proof.loop.flow.Flow` carries them
+through a series, which takes several times as long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.proof.check.motion import (
+    around_motion,
+    end_of_motion,
+    flow_over,
+    jacobian_of,
+    parameters_of,
+)
+from fuzzyarm.proof.check.numbers import Number, exact, precisely
+from fuzzyarm.proof.check.spans import Spans
+from fuzzyarm.proof.claim.problem import LoopProblem
+from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, TINY, Forms, joined, stacked
+
+STEPS = 2
+"""Of the motion from the middle in a period: half of the checker's, in half of the time."""
+
+
+class MeanFlow:
+    """The plant of a loop over its control period.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop; its plant's equations do not depend on the time.
+    """
+
+    def __init__(self, problem: LoopProblem) -> None:
+        self.problem = problem
+        self.parameters = parameters_of(problem)
+
+    @precisely
+    def ends(self, states: Forms, inputs: Forms) -> Forms:
+        """Return the states a period later, without a bound where nothing is known of them.
+
+        Parameters
+        ----------
+        states, inputs : Forms, shapes (states, batch) and (inputs, batch)
+            Of the plant.
+
+        Raises
+        ------
+        LoopProofError
+            If its equations have something of which the checker knows no slopes.
+        """
+        equations = self.problem.equations
+        names = (*equations.states, *equations.inputs)
+        whole = joined(states, inputs)
+        bounds = whole.bounds
+        ranges = [Spans(low, high) for low, high in zip(bounds.low, bounds.high, strict=True)]
+        moving = around_motion(self.problem, self._at(names, ranges))
+        flow = flow_over(jacobian_of(self.problem, moving), exact(self.problem.period))
+        middles = [Spans(x, x) for x in whole.centre]
+        ends = end_of_motion(self.problem, self._at(names, middles), STEPS)
+        return stacked(
+            [_ended(whole, row, Spans.of(end)) for row, end in zip(flow, ends, strict=True)]
+        )
+
+    def _at(self, names: Sequence[str], values: Sequence[Spans]) -> dict[str, Any]:
+        return {**self.parameters, **dict(zip(names, values, strict=True))}
+
+
+def _ended(whole: Forms, slopes: Sequence[Number], end: Spans) -> Forms:
+    """Return ends of middles and slopes times what the sets are around these."""
+    spans = [Spans.of(slope) for slope in slopes]
+    near = np.stack([np.broadcast_to(x.mid().low, end.low.shape) for x in spans])
+    off = np.stack([np.broadcast_to(x.rad().low, end.low.shape) for x in spans])
+    parts = (whole.parts * near).sum(axis=1)
+    size = (np.abs(near) * whole.radius).sum(axis=0)
+    rest = (np.abs(near) * whole.rest + off * whole.radius).sum(axis=0)
+    rest = rest + end.rad().low + (len(spans) + 2) * ROUNDING * size + TINY
+    known = np.isfinite(rest) & np.isfinite(end.mid().low)
+    return Forms(
+        np.where(known, end.mid().low, 0.0), np.where(known, parts, 0.0),
+        np.where(known, rest * ENLARGED, np.inf),
+    )  # fmt: skip
