@@ -22,7 +22,6 @@ simulate servo.frb --for 2x
 simulate servo.frb --step 1 --reference position=1
 simulate servo.frb --noise position
 simulate servo.frb --plot x.xyz
-simulate servo.frb servo.frb --sweep J=1..2:2
 simulate servo.frb --watch --json
 sweep servo.frb --for 50ms
 sweep servo.frb --sweep J

@@ -15,6 +15,8 @@ from own_tests import failing_in_c, failing_in_python, failing_in_scl
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
 from fuzzyarm.exchange.export.controllers import ControllerProgram, Tried
+from fuzzyarm.symbolic.formulas import FRB
+from fuzzyarm.symbolic.operations import OPERATIONS
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(
@@ -43,6 +45,21 @@ def tried_once():
         yield
 
 
+def every_function(folder: Path) -> Path:
+    """Write a rule base that has each function of formulas in an output of its own."""
+    lines = ["rulebase functions", "input x 0.1 .. 0.9", "input y 0.2 .. 1.7",
+             "term x ON: rectangle 0.1 0.9"]  # fmt: skip
+    for word, operation in sorted(FRB.functions.items()):
+        arguments = ", ".join("xy"[: OPERATIONS[operation].arity])
+        lines += [f"output of_{word} -100 .. 100",
+                  f'term of_{word} F: formula "{word}({arguments})"',
+                  f"inference of_{word}: defuzzifier weighted-average",
+                  f"rule if x is ON then of_{word} is F"]  # fmt: skip
+    path = folder / "functions.frb"
+    path.write_text("\n".join(lines))
+    return path
+
+
 exporting = [Path()]
 """The file that is exported now."""
 
@@ -50,7 +67,7 @@ exporting = [Path()]
 def exported(folder: Path, suffix: str, capsys) -> tuple[list[Path], dict[str, str]]:
     """Return the files that were written, and what the command says of the others."""
     written, refused = [], {}
-    for number, path in enumerate(FILES):
+    for number, path in enumerate([*FILES, every_function(folder)]):
         out = folder / f"made_{number}_{path.stem.replace('-', '_').replace('+', '_')}{suffix}"
         words = ["compile", str(path), "-o", str(out), "--precision", "float64"]
         exporting[0] = path
@@ -69,7 +86,8 @@ def without_partners(refused: dict[str, str]) -> list[str]:
 @pytest.mark.slow(seconds=12)
 @pytest.mark.parametrize(
     ("suffix", "refused"),
-    [(".py", []), (".mjs", []), (".rs", []), (".h", []), (".scl", [])],
+    # SCL has no atan2.
+    [(".py", []), (".mjs", []), (".rs", []), (".h", []), (".scl", ["functions.frb"])],
 )
 def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
     written, others = exported(tmp_path, suffix, capsys)
