@@ -10,6 +10,8 @@ from scipy.linalg import expm
 
 from fuzzyarm import load, shipped, simulate
 from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.show.margins import margins_chart
+from fuzzyarm.base.picture import Line
 from fuzzyarm.control.controllers import ControllerText
 from fuzzyarm.control.loop import Sensor
 from fuzzyarm.language import parse
@@ -388,3 +390,17 @@ def test_an_integral_holds_what_the_feed_forward_lacks(tmp_path):
     found = margins(str(tmp_path / "hover.frb"), str(tmp_path / "quad.py"))
     (drive,) = found.values()
     assert drive.nominal.stable
+
+
+@pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)
+def test_the_phase_of_the_picture_crosses_where_the_margin_is(plant, kind, late):
+    loop = loop_of(plant, kind, late)
+    each = drive_margins(loop, loop.drives[0])
+    chart = margins_chart([each], "loop")
+    if math.isinf(each.nominal.phase):
+        return
+    phase = next(p for row in chart.rows for p in row if p and p.up.name == "phase")
+    curve, mark = (part for part in phase.parts if isinstance(part, Line))
+    at = np.interp(each.nominal.phase_at, curve.x, curve.y)
+    assert at == pytest.approx(each.nominal.phase - 180.0, abs=0.5)
+    assert tuple(mark.y) == pytest.approx((-180.0, each.nominal.phase - 180.0))

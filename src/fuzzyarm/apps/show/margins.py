@@ -65,15 +65,17 @@ def _gain_panel(
 def _phase_panel(each: DriveMargins, omega: np.ndarray, values: np.ndarray, across: Axis) -> Panel:
     degrees = np.degrees(np.unwrap(np.angle(values)))
     margins = each.nominal
-    degrees -= 360.0 * math.ceil((degrees[0] - 180.0) / 360.0)
+    at, margin = margins.phase_at or 0.0, margins.phase or 0.0
+    is_shown = bool(margins.stable and at)
+    # Of the turns of the curve the one whose -180 degrees the margin is measured from.
+    nearest = float(np.interp(at, omega, degrees)) - margin + 180.0 if is_shown else 0.0
+    first = 360.0 * math.ceil((degrees[0] - 180.0) / 360.0)
+    degrees -= 360.0 * round(nearest / 360.0) if is_shown else first
     parts: list[ChartPart] = [Level(-180.0, dash=":"), Line(omega, degrees, "first", 1.4)]
     title = ""
-    if margins.stable and margins.phase_at:
-        at = margins.phase_at
-        phase = float(np.interp(at, omega, degrees))
-        foot = phase - (margins.phase or 0.0)
-        parts.append(Line((at, at), (foot, phase), COLOURS[3], 1.6))
-        title = f"phase margin {margins.phase:.1f}°"
+    if is_shown:
+        parts.append(Line((at, at), (-180.0, margin - 180.0), COLOURS[3], 1.6))
+        title = f"phase margin {margin:.1f}°"
     return Panel(parts, across, Axis("phase", "°"), title)
 
 
