@@ -313,7 +313,7 @@ def test_what_is_far_away_is_followed_to_boxes_on_the_common_way(
 ) -> None:
     """At its limit the push makes every run cruise at 1 m/s: from 4 m for 270 periods."""
     monkeypatch.setattr("fuzzyarm.proof.loop.boxes.MANY", 0)
-    found = mapped(tmp_path, plant=SLIDE, budget=20.0)
+    found = mapped(tmp_path, plant=SLIDE, budget=60.0)
     assert found.share("proved") == 1.0
     assert all(-4 <= box.low[0] <= box.high[0] <= 4 for box in found.boxes)
     assert found.longest > 2.0
