@@ -282,15 +282,14 @@ def _started(plant: Any, seed: int) -> Sequence[float]:
     return states
 
 
-def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
+def _class_attributes(plant: Any) -> dict[tuple[type, str], object]:
     """Snapshot the mutable class attributes of a user's plant."""
     contents = {}
     for kind in type(plant).__mro__:
         if not is_of_package(kind):
             for name, value in vars(kind).items():
                 if isinstance(value, int | float | list | dict | set) and name not in PORTS:
-                    with contextlib.suppress(Exception):
-                        contents[kind, name] = pickle.dumps(value)
+                    contents[kind, name] = _contents(value)
     return contents
 
 
@@ -364,7 +363,7 @@ def _bound_by(function: FunctionType) -> dict[str, Any]:
 
 
 def _contents(value: object) -> object:
-    """Return what tells whether an object has changed; for a generator, that it has."""
+    """Return an object's state for comparison; a generator's differs each time."""
     if isinstance(value, GeneratorType):
         return object()
     if isinstance(value, ModuleType | type):

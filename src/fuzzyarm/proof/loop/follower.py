@@ -284,9 +284,12 @@ class Follower:
         first = self.outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             self.reached = period
-            states, memory, intervals, steps, parts = self.period_on(
-                algebra, control, states, constants, memory, period, parts, first=period == 0
+            time = period * self.period
+            states, drives, memory = self.controlled(
+                algebra, control, states, constants, memory, time, first=period == 0
             )
+            states, steps, parts = self.moved(states, {**constants, **drives}, time, parts)
+            intervals = self._driven(drives)
             if not at:
                 at.append(_joined(first, intervals))
             for index, outputs in enumerate(steps):
@@ -316,29 +319,6 @@ class Follower:
             weight,
             undone if self.goal is None else undone | ~arrived,
         )
-
-    def period_on(
-        self,
-        algebra: Zonotopes,
-        control: LoopPeriod[Number],
-        states: Forms,
-        constants: Mapping[str, Forms],
-        memory: Mapping[str, Number],
-        period: int,
-        parts: int,
-        *,
-        first: bool,
-    ) -> tuple[Forms, dict[str, Number], Intervals, list[tuple[Intervals, Intervals]], int]:
-        """Return states and memory a period later, the drives, and the outputs in its steps.
-
-        Last how many steps the next period is to take.
-        """
-        time = period * self.period
-        states, drives, after = self.controlled(
-            algebra, control, states, constants, memory, time, first=first
-        )
-        states, steps, parts = self.moved(states, {**constants, **drives}, time, parts)
-        return states, after, self._driven(drives), steps, parts
 
     def controlled(
         self,
