@@ -636,7 +636,9 @@ def test_what_is_said_moves_nothing_and_tabs_say_what_is_at_work(served, window)
     ]
     assert looks[0] != looks[1]  # a tab under the mouse does not look like the one that is shown
     further(page, "Tune …")
-    assert page.locator(".more summary").inner_text() == "More: Tune …"
+    title = "document.querySelector('.more summary').innerText"
+    at_work = page.evaluate(f"(designer.store.work('tune', true), {title})")
+    assert at_work == "More: Tune …"  # in one step: the pane's first news ends the work
     assert not page.get_by_role("tab", name="Prove").is_visible()
     (served.folder / "still.lut").write_text(shipped("thesis-6.1.lut").read_text())
     page.goto(f"{served.address}#file=still.lut")
