@@ -7,13 +7,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import c_programs
 import numpy as np
-from c_programs import HOST, need
+from c_programs import HOST
+from needs import need
 from scl_reader import Reader
 from st_programs import Program
 
 
-def failing_in_python(paths: Sequence[Path]) -> list[str]:
+def failing_in_python(paths: Sequence[Path], folder: Path) -> list[str]:
     """Return modules whose test does not return 0, and why."""
     script = (
         "import sys, importlib, traceback\n"
@@ -33,7 +35,7 @@ def failing_in_python(paths: Sequence[Path]) -> list[str]:
 
 def failing_in_c(paths: Sequence[Path], folder: Path) -> list[str]:
     """Return sources (headers alone) whose test does not return 0; all in one program."""
-    need(HOST)
+    c_programs.need(HOST)
     lines = ["#include <stdio.h>", "#define FUZZYARM_SELF_TEST"]
     for number, path in enumerate(paths):
         lines += [f"#define main test_{number}", f'#include "{path}"', "#undef main"]
@@ -60,7 +62,49 @@ def failing_in_c(paths: Sequence[Path], folder: Path) -> list[str]:
     return subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
 
 
-def failing_in_scl(paths: Sequence[Path]) -> list[str]:
+def failing_in_javascript(paths: Sequence[Path], folder: Path) -> list[str]:
+    """Return modules whose test does not return 0; all in one process."""
+    need("node")
+    lines = []
+    for number, path in enumerate(paths):
+        lines.append(f'import {{ selfTest as test{number} }} from "{path}";')
+    for number, path in enumerate(paths):
+        lines.append(f'if (test{number}() !== 0) console.log("{path.stem}");')
+    script = folder / "all_tests.mjs"
+    script.write_text("\n".join(lines))
+    done = subprocess.run(["node", str(script)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout.split()
+
+
+def failing_in_rust(paths: Sequence[Path], folder: Path, *, core_alone: bool = False) -> list[str]:
+    """Return crates whose test does not return 0; all in one program, as modules of it.
+
+    With `core_alone` they are modules of a crate without `std`, which is only compiled.
+    """
+    need("rustc")
+    lines = ["#![allow(warnings)]"]
+    if core_alone:
+        lines.insert(0, "#![no_std]")
+    lines += [f'#[path = "{path}"] mod m{number};' for number, path in enumerate(paths)]
+    tests = [
+        f'    if m{number}::self_test() != 0 {{ println!("{path.stem}"); }}'
+        for number, path in enumerate(paths)
+    ]
+    lines += [] if core_alone else ["fn main() {", *tests, "}"]
+    source = folder / "all_tests.rs"
+    source.write_text("\n".join(lines))
+    kind = ["--crate-type", "lib"] if core_alone else []
+    words = ["rustc", *kind, str(source), "-o", str(folder / "all_tests_rs")]
+    built = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
+    assert built.returncode == 0, built.stderr[:3000]
+    if core_alone:
+        return []
+    run = subprocess.run([folder / "all_tests_rs"], capture_output=True, text=True, check=True)
+    return run.stdout.split()
+
+
+def failing_in_scl(paths: Sequence[Path], folder: Path) -> list[str]:
     """Return files of SCL whose test does not pass in the interpreter of the tests."""
     failing = []
     for path in paths:
@@ -71,3 +115,16 @@ def failing_in_scl(paths: Sequence[Path]) -> list[str]:
         if not test.values["passed"]:
             failing.append(path.stem)
     return failing
+
+
+LANGUAGES = {
+    ".py": failing_in_python, ".mjs": failing_in_javascript, ".rs": failing_in_rust,
+    ".h": failing_in_c, ".scl": failing_in_scl,
+}  # fmt: skip
+"""How the self-tests of files are run, by their suffix: what every language goes through."""
+
+
+def failing(paths: Sequence[Path], folder: Path) -> list[str]:
+    """Return the files whose own test does not pass; a folder for what that takes."""
+    (suffix,) = {path.suffix for path in paths}
+    return LANGUAGES[suffix](paths, folder)

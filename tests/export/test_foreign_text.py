@@ -12,7 +12,7 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 from c_programs import HOST
-from module_programs import failing_in_javascript, failing_in_rust
+from own_tests import LANGUAGES, failing
 from st_programs import Program
 
 from fuzzyarm import shipped
@@ -68,10 +68,9 @@ def test_every_target_reads_what_was_written(tmp_path, monkeypatch, text, kind):
         assert main(["compile", path, "-o", "x.fmu"]) == 0
         with zipfile.ZipFile(io.BytesIO(Path("x.fmu").read_bytes())) as archive:
             Xml.fromstring(archive.read("modelDescription.xml"))
-    for suffix in (".mjs", ".rs"):
+    for suffix in LANGUAGES:
         assert main(["compile", path, "-o", f"x{suffix}"]) == 0
-    assert failing_in_javascript([tmp_path / "x.mjs"], tmp_path) == []
-    assert failing_in_rust([tmp_path / "x.rs"], tmp_path) == []
+        assert failing([tmp_path / f"x{suffix}"], tmp_path) == []
 
 
 @pytest.mark.slow

@@ -12,9 +12,8 @@ import pytest
 from budget import part
 from c_programs import HOST
 from hostile_names import ALL, OF_RULES, of_axes, of_gains, of_ports, of_rules, of_signals
-from module_programs import failing_in_javascript, failing_in_rust
 from needs import requires
-from own_tests import failing_in_c, failing_in_python, failing_in_scl
+from own_tests import LANGUAGES, failing
 
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
@@ -41,29 +40,10 @@ def exported(folder: Path, suffix: str) -> list[Path]:
     return paths
 
 
-@pytest.mark.slow
-def test_in_micropython(tmp_path):
-    assert failing_in_python(exported(tmp_path, ".py")) == []
-
-
-@pytest.mark.slow
-def test_in_javascript(tmp_path):
-    assert failing_in_javascript(exported(tmp_path, ".mjs"), tmp_path) == []
-
-
-@pytest.mark.slow
-def test_in_rust(tmp_path):
-    assert failing_in_rust(exported(tmp_path, ".rs"), tmp_path) == []
-
-
-@pytest.mark.slow
-def test_in_c(tmp_path):
-    assert failing_in_c(exported(tmp_path, ".h"), tmp_path) == []
-
-
 @pytest.mark.slow(seconds=15)
-def test_in_structured_text(tmp_path):
-    assert failing_in_scl(exported(tmp_path, ".scl")) == []
+@pytest.mark.parametrize("suffix", LANGUAGES)
+def test_in_each_language(tmp_path, suffix):
+    assert failing(exported(tmp_path, suffix), tmp_path) == []
 
 
 @pytest.mark.slow
@@ -110,11 +90,7 @@ def test_signals_beside_a_table_that_learns(tmp_path):
     text = text.replace("supply / 255", f"supply / 255 + {' + '.join(BESIDE)}")
     source = tmp_path / "made.frb"
     source.write_text(text)
-    for suffix in (".py", ".mjs", ".rs", ".h", ".scl"):
-        words = ["compile", str(source), "-o", str(tmp_path / f"made{suffix}")]
-        assert main([*words, "--precision", "float64"]) == 0
-    assert failing_in_python([tmp_path / "made.py"]) == []
-    assert failing_in_javascript([tmp_path / "made.mjs"], tmp_path) == []
-    assert failing_in_rust([tmp_path / "made.rs"], tmp_path) == []
-    assert failing_in_c([tmp_path / "made.h"], tmp_path) == []
-    assert failing_in_scl([tmp_path / "made.scl"]) == []
+    for suffix in LANGUAGES:
+        made = tmp_path / f"made{suffix}"
+        assert main(["compile", str(source), "-o", str(made), "--precision", "float64"]) == 0
+        assert failing([made], tmp_path) == []

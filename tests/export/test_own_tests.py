@@ -9,8 +9,7 @@ from pathlib import Path
 import c_programs
 import pytest
 from budget import part
-from module_programs import failing_in_javascript, failing_in_rust
-from own_tests import failing_in_c, failing_in_python, failing_in_scl
+from own_tests import LANGUAGES, failing, failing_in_rust
 
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
@@ -83,26 +82,17 @@ def without_partners(refused: dict[str, str]) -> list[str]:
     return [name for name, why in refused.items() if "which is not text" not in why]
 
 
+REFUSED = {".scl": ["functions.frb"]}
+"""SCL has no atan2."""
+
+
 @pytest.mark.slow(seconds=12)
-@pytest.mark.parametrize(
-    ("suffix", "refused"),
-    # SCL has no atan2.
-    [(".py", []), (".mjs", []), (".rs", []), (".h", []), (".scl", ["functions.frb"])],
-)
-def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
+@pytest.mark.parametrize("suffix", LANGUAGES)
+def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix):
     written, others = exported(tmp_path, suffix, capsys)
-    assert without_partners(others) == refused
+    assert without_partners(others) == REFUSED.get(suffix, [])
     assert len(written) > 50
-    if suffix == ".py":
-        assert failing_in_python(written) == []
-    elif suffix == ".h":
-        assert failing_in_c(written, tmp_path) == []
-    elif suffix == ".mjs":
-        assert failing_in_javascript(written, tmp_path) == []
-    elif suffix == ".rs":
-        assert failing_in_rust(written, tmp_path) == []
-    else:
-        assert failing_in_scl(written) == []
+    assert failing(written, tmp_path) == []
 
 
 @pytest.mark.parametrize("option", ["-ffast-math", "-ffinite-math-only"])
@@ -117,14 +107,15 @@ def test_c_is_refused_by_a_compiler_for_which_nothing_is_nan(tmp_path, capfd, so
     assert "this code compares with NaN" in capfd.readouterr().err
 
 
-DEFAULTS = (".h", ".c", ".st", ".scl", ".xml", ".py", ".mjs", ".rs")
+DEFAULTS = (*LANGUAGES, ".c", ".st", ".xml")
 
 
 @pytest.mark.slow(seconds=15)
 def test_every_file_has_every_target_without_an_option(tmp_path, capsys):
     refused = {}
     for number, path in enumerate(FILES):
-        for suffix in part([*DEFAULTS[number % 8 :], *DEFAULTS[: number % 8]], 8):
+        at = number % len(DEFAULTS)
+        for suffix in part([*DEFAULTS[at:], *DEFAULTS[:at]], len(DEFAULTS)):
             exporting[0] = path
             status = main(["compile", str(path), "-o", str(tmp_path / f"made_{number}{suffix}")])
             said = capsys.readouterr().err

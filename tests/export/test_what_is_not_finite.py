@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from controller_programs import EVERYTHING, model_drives, ports, run_in_c, shipped_text, text_of
-from module_programs import failing_in_javascript, failing_in_rust
-from own_tests import failing_in_python
+from own_tests import LANGUAGES, failing
 from scl_reader import Reader
 from st_programs import Program
 
+from fuzzyarm.base.folders import MODULES
 from fuzzyarm.exchange.export import ControllerProgram, export_controller
 from fuzzyarm.exchange.export.c import TestSequence as Sequence
 from fuzzyarm.exchange.export.walk_of_steps import steps_of
@@ -114,7 +114,7 @@ def test_c_drives_the_same_bits(tmp_path):
         np.testing.assert_array_equal(found, expected[name], name)
 
 
-@pytest.mark.parametrize("suffix", [".py", ".mjs", ".rs"])
+@pytest.mark.parametrize("suffix", sorted({*LANGUAGES} & {*MODULES}))
 def test_modules_drive_the_same_bits(tmp_path, suffix):
     paths = []
     for name in TEXTS:
@@ -123,12 +123,7 @@ def test_modules_drive_the_same_bits(tmp_path, suffix):
         assert file == path
         path.write_text(content)
         paths.append(path)
-    if suffix == ".py":
-        assert failing_in_python(paths) == []
-    elif suffix == ".mjs":
-        assert failing_in_javascript(paths, tmp_path) == []
-    else:
-        assert failing_in_rust(paths, tmp_path) == []
+    assert failing(paths, tmp_path) == []
 
 
 @pytest.mark.parametrize("suffix", [".st", ".scl"])

@@ -8,12 +8,20 @@ the crate `libm` where the rules have functions of mathematics and there is no `
 To add a language
 -----------------
 A ``Target`` (its spellings) and a ``Module`` (the class of a controller and the frame of a file, as
-templates) here; of Rust both take 82 lines. Its reserved words are in
-:mod:`fuzzyarm.symbolic.identifiers`, its suffix in :mod:`fuzzyarm.base.folders`; a line in
-``tests/export/test_own_tests.py`` and ``test_hostile_names.py`` runs the self-test of every file
-and of every odd name. A language whose expressions only calculate takes `flattened` of
-:mod:`.structured_text` first; :mod:`.c` shows what a language may add: structs by axis, pointers to
-parts of arrays, files with headers.
+templates) here, by its suffix in ``MODULES``; of Rust both take 82 lines. By hand beside them:
+
+- its suffix in :mod:`fuzzyarm.base.folders`, its reserved words in
+  :mod:`fuzzyarm.symbolic.identifiers`;
+- a function that runs self-tests, in ``LANGUAGES`` of ``tests/export/own_tests.py``, and the
+  program that it takes, in ``tests/needs.py``: all shipped files, all functions of formulas, odd
+  names, foreign texts and samples that are not finite go through it then;
+- its words: the docstring of :mod:`fuzzyarm.apps.cli.compile`, ``exportKinds`` of the page's
+  ``strings.js`` (then ``make designer``), ``docs/reference/export.md``; then
+  ``tools/make_reference.py``.
+
+A language whose expressions only calculate takes `flattened` of :mod:`.structured_text` first;
+:mod:`.c` shows what a language may add: structs by axis, pointers to parts of arrays, files with
+headers.
 """
 
 from __future__ import annotations
