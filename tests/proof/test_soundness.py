@@ -34,6 +34,7 @@ from fuzzyarm.proof.map.place_bounds import (
     halving_bounds,
     nearest_half_bounds,
 )
+from fuzzyarm.proof.map.prover import QuotientProblem
 from fuzzyarm.proof.map.straight import NotStraightError, straight
 from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop
@@ -103,6 +104,40 @@ def test_rule_bases_of_any_kind_stay_inside_or_are_refused(rulebase: RuleBase, s
     finite = values[np.isfinite(values)]
     assert bounds.low - slack <= finite.min(initial=math.inf)
     assert finite.max(initial=-math.inf) <= bounds.high + slack
+
+
+QUOTIENTS = {
+    "value": (Surface.value, False),
+    "slope": (lambda surface: surface.slope(0), False),
+    "gradient": (Surface.gradient_squared, False),
+    "odd": (Surface.odd, True),
+}
+"""A question of a surface, and whether its box is mirrored about 0."""
+
+
+@pytest.mark.parametrize("seed", range(cases(3, 8)))
+@pytest.mark.parametrize("name", QUOTIENTS)
+def test_coefficients_of_floats_are_off_by_no_more_than_they_say(name: str, seed: int) -> None:
+    make, mirrored = QUOTIENTS[name]
+    prover = Prover(irregular(random.Random(seed), 1), "u")
+    ((low, high),) = prover.box({})
+    box = ((-min(-low, high), min(-low, high)) if mirrored else (low, high),)
+    question = QuotientProblem(box, make, mirrored=mirrored, steep=not mirrored)
+    rounded, exact = (make(prover.surface(question, way)) for way in (FLOATS, rationals()))
+    of_floats = np.asarray(rounded.corners, dtype=float)
+    same = np.abs(of_floats - exact.corners.astype(float)).max(axis=(1, 2)) < 1e-12
+    assert same.mean() > 0.9  # where two cuts tie, pieces come in another order
+    assert rounded.error is not None
+    exactly = rationals().number
+    error = np.broadcast_to(rounded.error.reshape(len(of_floats), -1), rounded.upper.shape)[same]
+    off = False
+    pairs = (rounded.upper, exact.upper, rounded.reach), (rounded.lower, exact.lower, 1.0)
+    rational = np.vectorize(lambda x: exactly(Fraction(x)), otypes=[object])
+    for ours, theirs, reach in pairs:
+        distance = np.abs((rational(ours) - theirs).astype(float))[same]
+        assert (distance <= error * reach).all()
+        off |= bool(distance.any())
+    assert off  # some are rounded: without a margin this fails
 
 
 def test_a_bound_that_was_proved_is_proved_again() -> None:

@@ -6,8 +6,12 @@ only in the cells where it is open. A rule base that is not made of straight pie
 boxes (:mod:`fuzzyarm.proof.map.boxes`), which are always sound and mostly wider.
 
 To prove something else: a quotient of polynomials in :mod:`.surface`, its question here, a verb of
-``ProveNode`` in :mod:`fuzzyarm.language.statements` and its judge in :mod:`.verdicts`. What is new
-in a rule base is refused by name in :mod:`.straight` and :mod:`.boxes` until
+``ProveNode`` in :mod:`fuzzyarm.language.statements` (what it demands of ranges in
+:mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand beside them: the kinds
+of ``Property`` in :mod:`fuzzyarm.language.model.rulebase`, the quotient in ``QUOTIENTS`` of
+``tests/proof/test_soundness.py`` (its rounding against rationals), the statement in
+``tests/fuzz/attacked_proofs.py``, ``docs/reference/metrics.md``; then ``tools/make_schemas.py``.
+What is new in a rule base is refused by name in :mod:`.straight` and :mod:`.boxes` until
 ``tests/proof/test_soundness.py`` covers it; ``tests/fuzz/random_proofs.py`` tries to refute it.
 """
 
