@@ -34,7 +34,7 @@ a co-simulation unit (FMI), built with the installed C compiler.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -285,15 +285,7 @@ def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
     how = making_of(request)
     with busy("compiling") as progress, _of_file(request.file):
         exported, reports = source_of(model, request.out, how, progress)
-    report = _report(request, how, exported)
-    exported.write()
-    _write_report(request.report, report)
-    if request.json:
-        tables = [_with_file(request, table) for table in reports]
-        print_json(report or {**jsonable(exported), "tables": tables}, 2)
-        return
-    lines = [line for table in reports for line in report_lines(table, request.out)]
-    say(*lines, *export_lines(exported), *_report_line(request.report, report))
+    _write_export(request, how, exported, reports, export_lines(exported))
 
 
 @contextmanager
@@ -319,15 +311,26 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     how = certified(making_of(request), controller, request)
     with busy("exporting") as progress, _of_file(request.file):
         exported, reports = program_of(controller, request.out, how, progress)
+    _write_export(request, how, exported, reports, controller_lines(exported))
+
+
+def _write_export(
+    request: ExportWords,
+    how: Making,
+    exported: Exported | ExportedController,
+    tables: Sequence[CompileReport],
+    lines: Sequence[str],
+) -> None:
+    """Write source text with the requested report, and say so in these lines."""
     report = _report(request, how, exported)
     exported.write()
     _write_report(request.report, report)
     if request.json:
-        tables = [_with_file(request, table) for table in reports]
-        print_json(report or {**jsonable(exported), "tables": tables}, 2)
+        records = [_with_file(request, table) for table in tables]
+        print_json(report or {**jsonable(exported), "tables": records}, 2)
         return
-    lines = [line for table in reports for line in report_lines(table, request.out)]
-    say(*lines, *controller_lines(exported), *_report_line(request.report, report))
+    of_tables = [line for table in tables for line in report_lines(table, request.out)]
+    say(*of_tables, *lines, *_report_line(request.report, report))
 
 
 def _with_file(request: ExportWords, record: object, words: str = "") -> dict[str, Any]:
