@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
+import importlib
 import json
 import math
 import os
@@ -17,7 +19,7 @@ from fuzzyarm import load_controller, prove, shipped
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import PlantError, Port, with_parameters
 from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.check.checking import region_lines
@@ -430,6 +432,67 @@ def test_a_plant_that_python_changed_is_said_and_bound(folder, change, words):
         again = check_certificate("c.json", text, changed)
         assert again.proved
         assert words in again.statement
+
+
+NEIGHBOURS = [
+    ("import helper", "helper.FALL", "helper.py", "helper"),
+    ("from pkg import helper", "helper.FALL", "pkg/helper.py", "pkg.helper"),
+    ("import pkg.helper", "pkg.helper.FALL", "pkg/helper.py", "pkg.helper"),
+    ("import helper", "helper.fall()", "helper.py", "helper"),
+]
+
+
+@pytest.mark.parametrize("by_program", [False, True])
+@pytest.mark.parametrize(("line", "use", "file", "module"), NEIGHBOURS)
+def test_a_helper_that_python_changed_is_said_and_bound(
+    folder, monkeypatch, line, use, file, module, by_program
+):
+    for name in ("helper", "pkg", "pkg.helper"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    Path(file).parent.mkdir(exist_ok=True)
+    Path(file).write_text("FALL = 1.0\ndef fall():\n    return FALL\n", encoding="utf-8")
+    made = MADE.replace("FALL = 1.0", line).replace("FALL *", f"{use} *")
+    Path("made.py").write_text(made, encoding="utf-8")
+    text, claim = law(), read_claim("y in -1 .. 1 during 0 .. 20 ms", "made.py")
+    if by_program:  # which imports it before the plant does
+        monkeypatch.syspath_prepend(str(folder))
+        importlib.import_module(module).FALL = 3.0
+        owned = sys.modules[module]
+        verdict = prove_loop(text, claim, plant=find_plant("made.py"))
+        assert verdict.statement == "on 'made.py': y in -1 .. 1 during 0 .. 0.02 s"
+        certificate = certify_tube(text, claim, plant=find_plant("made.py"))
+        write_certificate(certificate, "c.json")
+        assert check_certificate("c.json", trust=True).proved
+        assert sys.modules[module] is owned
+        return
+    plant = find_plant("made.py")
+    assert prove_loop(text, claim, plant=plant).statement.endswith("0.02 s")
+    sys.modules[module].FALL = 3.0
+    assert "equations other than those of" in prove_loop(text, claim, plant=plant).statement
+    write_certificate(certify_tube(text, claim, plant=plant), "c.json")
+    with pytest.raises(CertificateError, match="is not the plant that was proved"):
+        check_certificate("c.json", trust=True)
+
+
+def test_equations_that_import_a_helper_when_called_are_not_proved(folder):
+    Path("helper.py").write_text("FALL = 1.0\n", encoding="utf-8")
+    late = MADE.replace("FALL = 1.0\n", "").replace(
+        "        return [p[0]", "        from helper import FALL\n        return [p[0]"
+    )
+    Path("made.py").write_text(late, encoding="utf-8")
+    claim = read_claim("y in -1 .. 1 during 0 .. 20 ms", "made.py")
+    assert not prove_loop(law(), claim, plant=find_plant("made.py")).proved
+
+
+def test_a_shipped_plant_is_changed_by_no_program():
+    for plant in map(find_plant, PLANTS):
+        fresh = find_plant(plant.name)
+        for kind in ("inputs", "outputs", "parameters", "states"):
+            name, _ = next(iter(getattr(plant, kind).items()))
+            before = getattr(fresh, kind)[name]
+            with contextlib.suppress(TypeError):
+                getattr(plant, kind)[name] = None
+            assert getattr(find_plant(plant.name), kind)[name] == before
 
 
 def test_a_plant_with_the_name_of_another_one_is_said(folder):

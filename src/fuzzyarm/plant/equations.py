@@ -10,9 +10,11 @@ compiled by numba, if that is installed and they are marked as kernels.
 from __future__ import annotations
 
 import contextlib
+import dis
 import functools
 import importlib.util
 import math
+import os
 import pickle
 from array import array
 from collections import deque
@@ -340,6 +342,8 @@ def _reached(function: Callable[..., Any]) -> dict[tuple[object, str], object]:
             pending += [getattr(x, "__func__", x) for x in vars(plain).values()]
         if not isinstance(plain, FunctionType):
             continue
+        if _imports_late(plain):
+            found[plain, "import"] = object()
         # Functions of one module share its globals.
         for place, space in (id(plain.__globals__), plain.__globals__), (plain, _bound_by(plain)):
             if place in seen:
@@ -350,6 +354,18 @@ def _reached(function: Callable[..., Any]) -> dict[tuple[object, str], object]:
                 x for x in space.values() if getattr(x, "__module__", None) == plain.__module__
             ]
     return found
+
+
+def _imports_late(function: FunctionType) -> bool:
+    """Whether a function imports a module of its folder, which Python may have changed by then."""
+    folder = os.path.dirname(os.path.abspath(function.__code__.co_filename))
+    instructions = dis.get_instructions(function.__code__)
+    names = [line.argval.partition(".")[0] for line in instructions if line.opname == "IMPORT_NAME"]
+    return any(
+        os.path.exists(os.path.join(folder, found))
+        for name in names
+        for found in (name, f"{name}.py")
+    )
 
 
 def _bound_by(function: FunctionType) -> dict[str, Any]:

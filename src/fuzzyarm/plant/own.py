@@ -5,12 +5,14 @@ from __future__ import annotations
 import linecache
 import os
 import sys
+import sysconfig
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import copy
 from functools import cache
 from hashlib import sha256
+from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
@@ -238,7 +240,9 @@ def named_again(name: str, plant: Plant) -> Plant | None:
         return None
     key = key or (home.key if home else type(plant).__name__)
     try:
-        return plant_again(path, source, key)
+        # Anew, since Python may have changed a module that was executed before; and aside, since
+        # the existing plant and its modules stay as they are.
+        return _made(executed(path, PlantError, source, aside=True), key)
     except (PlantError, AttributeError):
         return None
 
@@ -309,7 +313,13 @@ OWN = "fuzzyarm_own_"
 """Prefix of the modules of users' files; not importable."""
 
 
-def executed(path: str, fault: Callable[[str], Exception], source: str | None = None) -> ModuleType:
+def executed(
+    path: str,
+    fault: Callable[[str], Exception],
+    source: str | None = None,
+    *,
+    aside: bool = False,
+) -> ModuleType:
     """Execute a file and return its module; it may import others of its folder.
 
     Parameters
@@ -320,6 +330,8 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
         Makes the error from a message.
     source : str, optional
         Its text, if the file may be on another machine.
+    aside : bool, optional
+        Whether the modules in memory, of this file and of its folder, stay as they are.
     """
     if source is None:
         note_source(path)
@@ -334,26 +346,36 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
     module.__file__ = path
     vars(module)[SOURCE] = source
     # Dataclasses and others look the module of a class up in sys.modules.
+    before = sys.modules.get(module.__name__)
     sys.modules[module.__name__] = module
     try:
-        with _neighbours(os.path.dirname(os.path.abspath(path))):
+        with _neighbours(os.path.dirname(os.path.abspath(path)), aside=aside):
             exec(compile(source, path, "exec"), vars(module))
     except USERS as error:
         raise fault(failure(path, error)) from error
+    finally:
+        if aside and before is not None:
+            sys.modules[module.__name__] = before
     return module
 
 
-_imported: set[str] = set()
-"""Modules imported by users' files from their folders."""
+_imported: dict[str, ModuleType] = {}
+"""Modules imported by users' files from their folders, by name."""
+
+INSTALLED = frozenset(sysconfig.get_paths().values())
+"""Folders of packages, which are imported once."""
 
 
 @contextmanager
-def _neighbours(folder: str) -> Iterator[None]:
-    """Let a file import modules of its folder, fresh each time, as when run by Python."""
-    for name in _imported:
-        sys.modules.pop(name, None)
-    _imported.clear()
-    before = set(sys.modules)
+def _neighbours(folder: str, *, aside: bool) -> Iterator[None]:
+    """Let a file import modules of its folder, fresh each time, as when run by Python.
+
+    Those that a program imported itself are its own: they are back afterwards.
+    """
+    again = {*_modules_of(folder), *_imported}
+    before = {name: sys.modules.pop(name) for name in again if name in sys.modules}
+    own = {name: found for name, found in before.items() if found is not _imported.get(name)}
+    kept = before if aside else own
     sys.path.insert(0, folder)
     try:
         yield
@@ -361,10 +383,35 @@ def _neighbours(folder: str) -> Iterator[None]:
         sys.path.remove(folder)
         if folder not in sys.path:  # for imports inside functions
             sys.path.append(folder)
-        for name in set(sys.modules) - before:
-            file = getattr(sys.modules[name], "__file__", None) or ""
-            if os.path.dirname(file) == folder:
-                _imported.add(name)
+        fresh = _modules_of(folder)
+        if aside:
+            for name in fresh:
+                del sys.modules[name]
+        else:
+            _imported.clear()
+            _imported.update((name, sys.modules[name]) for name in fresh)
+        sys.modules.update(kept)
+
+
+def _modules_of(folder: str) -> list[str]:
+    """Return the names of the imported modules and packages of a folder, with their modules."""
+    if folder in INSTALLED:
+        return []
+    modules = {name: module for name, module in sys.modules.copy().items() if name != "__main__"}
+    tops = {name for name, module in modules.items() if "." not in name and _is_in(module, folder)}
+    parts = {name: name.partition(".")[0] for name in modules}
+    # Machine code is loaded once.
+    machine = {parts[name] for name, module in modules.items() if _is_machine_code(module)}
+    return [name for name, top in parts.items() if top in tops - machine - {"fuzzyarm"}]
+
+
+def _is_in(module: ModuleType, folder: str) -> bool:
+    places = [*getattr(module, "__path__", ()), getattr(module, "__file__", None) or ""]
+    return folder in map(os.path.dirname, places) and not module.__name__.startswith(OWN)
+
+
+def _is_machine_code(module: ModuleType) -> bool:
+    return str(getattr(module, "__file__", None) or "").endswith(tuple(EXTENSION_SUFFIXES))
 
 
 def failure(path: str, error: BaseException) -> str:

@@ -242,6 +242,13 @@ class Plant:
     loaded_parameters: Mapping[str, float] = MappingProxyType({})
     ended: bool = False
 
+    def __init_subclass__(cls) -> None:
+        # Ports and parameters of shipped plants are the same for all of a process.
+        super().__init_subclass__()
+        for name, value in list(vars(cls).items()):
+            if isinstance(value, dict) and cls.__module__.startswith("fuzzyarm."):
+                setattr(cls, name, MappingProxyType(value))
+
     def __repr__(self) -> str:
         ports = f"{', '.join(self.inputs) or 'nothing'} → {', '.join(self.outputs) or 'nothing'}"
         return one_line(self, f"{self.name}: {ports}")
