@@ -99,7 +99,6 @@ NEEDS: dict[str, Need] = {
     "pyright": Need(("pyright",), module="pyright", pip="pyright"),
     "pyfuzzylite": Need(module="fuzzylite", otherwise="an environment with a NumPy below 2"),
     "axe-core": _page_tool("axe-core"),
-    "esbuild": _page_tool("esbuild"),
     "pyodide": _page_tool("pyodide"),
     "tools of the extension": Need(
         folder=ROOT / "editors" / "vscode" / "node_modules", otherwise="npm ci in editors/vscode"
