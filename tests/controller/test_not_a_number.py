@@ -176,7 +176,11 @@ def test_an_infinity_is_not_remembered(compiled, value):
 @ENGINES
 def test_a_finite_sample_is_remembered_however_large(compiled):
     text = "controller c\nperiod 1 ms\naxis a\n  e = error of x\n  v = rate of e, filter 5 ms\n"
-    text += "  w = rate of v\n  drive u = v + w, within -24 .. 24\n"
+    # A rate without a filter remembers what it is of alone, which is finite.
+    plain = text + "  w = rate of v\n  drive u = v + w, within -24 .. 24\n"
+    _, run = drives(plain, [0.1, 0.1, 1e303, *[0.1] * 10], compiled=compiled)
+    assert run.skipped == {"a": 0}
+    text += "  w = rate of v, filter 5 ms\n  drive u = v + w, within -24 .. 24\n"
     for sample, skipped in ((1e300, 0), (1e303, 10), (1.7e308, 1)):
         # A rate of 1e303 is memory; the next one overflows in each later period.
         _, run = drives(text, [0.1, 0.1, sample, *[0.1] * 10], compiled=compiled)

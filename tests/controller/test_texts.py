@@ -492,3 +492,11 @@ def test_a_linked_controller_runs_its_own_files(tmp_path):
     assert Workspace(here / "servo.frb").folder == own.resolve()
     assert home_of(here / "servo.frb") == own.resolve()
     assert home_of(tmp_path / "folder" / "pd7.frb") == tmp_path / "folder"
+
+
+def test_a_rate_without_a_filter_is_the_last_slope_alone():
+    """No state of a filter keeps a rounding of an earlier spike."""
+    run = made(text_of("e = measured y", "d = rate of e", "drive u = d")).run()
+    values = [0.1, -1e6, 0.3, 0.3 + 1e-10]
+    steps = [run.step({"y": y}, {})["u"] for y in values]
+    assert steps == [0.0, *((y - x) / PERIOD for x, y in pairwise(values))]

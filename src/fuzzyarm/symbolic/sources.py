@@ -272,6 +272,8 @@ class SourceKind(Kind):
     of_periods : callable or None
         With one state for each period of an option: from that number to update and states. The
         record itself has those of one period.
+    plainly : callable or None
+        Its update without options, which needs the first of its states alone.
     conditional : callable or None
         Its update with an option that has a condition, which is its argument ``chosen``.
     """
@@ -291,6 +293,7 @@ class SourceKind(Kind):
     elsewhere: str = ""
     dimensionless: bool = False
     of_periods: Callable[[int], tuple[Callable[..., X], tuple[SourceState, ...]]] | None = None
+    plainly: Callable[..., X] | None = None
     conditional: Callable[..., X] | None = None
 
     @cached_property
@@ -362,7 +365,12 @@ class SourceKind(Kind):
         return _conditional(self, forms[0]) if forms else self
 
     def sized(self, options: Mapping[str, Setting], period: float) -> SourceKind:
-        """Return the record with one state for each period of its option, if any."""
+        """Return the record with the states that its options need.
+
+        One for each period of an option that counts them; without options maybe fewer.
+        """
+        if self.plainly is not None and not any(word in self.options for word in options):
+            return _plain(self)
         word = next((word for word, kind in self.options.items() if kind.periods), "")
         if self.of_periods is None or not word:
             return self
@@ -383,6 +391,12 @@ MOST_PERIODS = 250
 def whole_periods(time: float, period: float) -> int:
     """Return a time in whole control periods, halves rounded up."""
     return math.floor(time / period + 0.5 + 1e-9)
+
+
+@cache
+def _plain(kind: SourceKind) -> SourceKind:
+    states = kind.states[:1]
+    return replace(kind, function=kind.plainly, states=states, options={}, plainly=None)
 
 
 @cache
@@ -492,9 +506,14 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
 # ── updates ──────────────────────────────────────────────────────────────────────────
 
 
+def _slope(x: X, before: X, period: X) -> X:
+    """Return the slope ``(x - before) / Δ``; 0 at first."""
+    return op.where(unseen(before), 0.0, x - before) / period
+
+
 def _rate(x: X, before: X, slope: X, filter: X, period: X) -> X:  # noqa: A002
     """Return ``y + (d - y) Δ / (T + Δ)`` with the slope ``d = (x - before) / Δ``; 0 at first."""
-    steep = op.where(unseen(before), 0.0, x - before) / period
+    steep = _slope(x, before, period)
     return slope + (steep - slope) * (period / (filter + period))
 
 
@@ -642,6 +661,7 @@ def _register() -> None:
     kind(
         "rate",
         _rate,
+        plainly=_slope,
         doc="change of a signal per second; 0 in the first period",
         options={"filter": low_pass},
         states=(SourceState("before", lambda x: x, math.nan), SourceState("slope")),
