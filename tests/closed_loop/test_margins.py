@@ -305,6 +305,31 @@ def test_a_loop_at_a_limit_has_no_margins():
         drive_margins(loop, loop.drives[0])
 
 
+def test_an_input_that_rests_beyond_its_range_is_said():
+    """The drive is saturated: the error gives no gain, its rate alone answers."""
+    rules = parse(
+        "rulebase r\ninput e -1 .. 1\ninput ce -1 .. 1\noutput u -1 .. 1\n"
+        "terms e: triangles N P\nterms ce: triangles N P\nterm u N: singleton -1\n"
+        "term u Z: singleton 0\nterm u P: singleton 1\n"
+        "inference u: defuzzifier weighted-average\nrule if e is N and ce is N then u is N\n"
+        "rule if e is P and ce is N then u is Z\nrule if e is N and ce is P then u is Z\n"
+        "rule if e is P and ce is P then u is P\n"
+    )
+    assert rules.rulebase is not None, rules.diagnostics
+    text = load_text(
+        'controller law\nuse r from "r.frb"\nperiod 20 ms\naxis linear\n  e = error of x1\n'
+        "  d = rate of e, filter 1 s\n  u = rules r(e, d)\n  drive u = u\n"
+    )
+    text = replace(text, sheets={"r": (rules.rulebase,)})
+    plant = plant_of([[-1.0]], [1.0])
+    for set_point, held in (
+        (0.2, ()),
+        (9.0, ("'e' rests at 8.5, beyond its range -1 .. 1: no gain there",)),
+    ):
+        found = linearised(loop_problem(text, plant, set_point={"x1": set_point}))
+        assert found.held == held
+
+
 # --- the command ---
 
 

@@ -108,13 +108,14 @@ def margin_lines(each: DriveMargins) -> list[str]:
     """Return the margins at a drive in words."""
     nominal, worst = each.nominal, each.worst
     head = f"opened at '{each.drive[1]}'"
+    held = [f"  at rest {words}" for words in each.held]
     if not nominal.stable:
-        return [f"{head}: not stable, the spectral radius is {each.loop.radius:.6g}"]
+        return [f"{head}: not stable, the spectral radius is {each.loop.radius:.6g}", *held]
     beside = worst.margins if worst is not None and worst.margins.stable else None
     rows = [("", "at rest", "worst over the gains of the rules" if beside else "")]
     for name, words in _WORDS.items():
         rows.append((name, words(nominal), words(beside) if beside else ""))
-    return [head, *in_columns(rows, indent="  "), *_gain_lines(worst)]
+    return [head, *held, *in_columns(rows, indent="  "), *_gain_lines(worst)]
 
 
 def _gain_lines(worst: WorstMargins | None) -> list[str]:

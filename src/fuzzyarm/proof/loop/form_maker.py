@@ -297,7 +297,11 @@ class FormMaker:
             for root in self.equations.rates:
                 low, high = exact_bounds(root, ranges)
                 if low or high:
-                    raise LoopProofError("where the plant rests depends on its parameters")
+                    raise LoopProofError(
+                        "where the plant rests depends on its parameters",
+                        hint="one value of each, as in 'with R in 5 .. 5', or a claim about a"
+                        " bounded time for all of them, as in 'during 0 .. 10 ms'",
+                    )
 
     def _point_ranges(
         self, at: Mapping[str, Affine], driven: Mapping[Address, Affine]

@@ -124,11 +124,14 @@ class LinearisedLoop:
         Of z, in this order.
     slopes : tuple of RuleSlope
         Of its rule bases and tables.
+    held : tuple of str
+        Inputs of rule bases and tables that rest at an end of their range, or beyond it, in words.
     """
 
     problem: LoopProblem
     rest: Mapping[str, float]
     slopes: tuple[RuleSlope, ...]
+    held: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -241,7 +244,8 @@ def linearised(problem: LoopProblem) -> LinearisedLoop:
     rest = {name: 0.0 if abs(x) <= 1e-12 * scale else x for name, x in rest.items()}
     algebra = _Slopes(None)
     _walked(problem, rest, algebra)
-    return LinearisedLoop(problem, rest, tuple(algebra.found))
+    held = tuple(dict.fromkeys(algebra.at_ends))
+    return LinearisedLoop(problem, rest, tuple(algebra.found), held)
 
 
 # --- values with gradients ---
@@ -264,6 +268,7 @@ class _Slopes(LoopAlgebra[_Slope]):
     def __init__(self, given: Sequence[float] | None) -> None:
         self.given = given
         self.found: list[RuleSlope] = []
+        self.at_ends: list[str] = []
 
     def number(self, value: float) -> _Slope:
         """Return a number, which nothing changes."""
@@ -315,6 +320,9 @@ class _Slopes(LoopAlgebra[_Slope]):
     def rules(self, sheet: RuleBase, inputs: Mapping[str, _Slope]) -> list[_Slope]:
         """Return the outputs of a rule base."""
         ranges = {v.name: (v.low, v.high) for v in sheet.inputs}
+        self._note_held(
+            inputs, {v.name: ranges[v.name] for v in sheet.inputs if v.outside == "clamp"}
+        )
 
         def value_of(output: str) -> Callable[[dict[str, float]], float]:
             return lambda at: float(infer(sheet, at)[output])
@@ -329,9 +337,22 @@ class _Slopes(LoopAlgebra[_Slope]):
         if sheet.default_mode != "linear":
             raise LoopProofError(f"a table with steps ('{sheet.default_mode}') has no slope")
         ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in sheet.axes}
+        self._note_held(inputs, ranges)
         return self._sheet(
             sheet, sheet.output, inputs, ranges, lambda at: sheet.lookup(*at.values())
         )
+
+    def _note_held(
+        self, inputs: Mapping[str, _Slope], ranges: Mapping[str, tuple[float, float]]
+    ) -> None:
+        """Note the inputs that move, and are held at an end of their range."""
+        for name, (low, high) in ranges.items():
+            value = inputs[name].value
+            if inputs[name].by.any() and not low < value < high:
+                side = "at the end of" if value in (low, high) else "beyond"
+                where = f"{side} its range {low:.4g} .. {high:.4g}"
+                gain = "no gain on one side" if value in (low, high) else "no gain there"
+                self.at_ends.append(f"'{name}' rests at {value:.4g}, {where}: {gain}")
 
     def _sheet(
         self,

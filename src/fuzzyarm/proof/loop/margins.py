@@ -126,7 +126,7 @@ class WorstMargins:
     where: Mapping[str, tuple[float, ...]]
 
 
-@json_properties("drive=name nominal worst=worst.margins gains=worst_gains where")
+@json_properties("drive=name nominal worst=worst.margins gains=worst_gains where held")
 @dataclass(frozen=True)
 class DriveMargins:
     """The margins at one drive.
@@ -141,12 +141,16 @@ class DriveMargins:
         At rest.
     worst : WorstMargins or None
         Over the slopes of the rules; None where they have no proved bounds.
+    held : tuple of str
+        Inputs of the rules that have no gain, since the loop rests at or beyond an end of their
+        range.
     """
 
     drive: Address
     loop: OpenLoop
     nominal: Margins
     worst: WorstMargins | None
+    held: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -427,7 +431,7 @@ def drive_margins(
             hint="other set points, as in --at temperature=21",
         )
     worst = _worst(linear, drive, gains) if gains else None
-    return DriveMargins(drive, loop, margins_of(loop), worst)
+    return DriveMargins(drive, loop, margins_of(loop), worst, linear.held)
 
 
 def rule_gains(

@@ -157,9 +157,12 @@ def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | 
         port = claimed_port(problem, claim)
         low, high = tube.bounds(port, claim.begin, min(claim.end, tube.duration))
         reason += f": {claim.output} in {low:.6g} .. {high:.6g}"
+        later = ", a later time" if claim.when == "after" else ""
+        reason += f" (a wider range{later}, narrower starts or a larger --budget may be proved)"
     if not tube.complete:
         why = f": {tube.reason}" if tube.reason else ""
         reason += f"; some of the starts could not be followed to the end{why}"
+        reason += " (narrower starts or a larger --budget may help)"
     return reason
 
 
@@ -250,7 +253,11 @@ class Haven:
                 continue
             if exact(self.claim.low) <= low and high <= exact(self.claim.high):
                 return float(level)
-        raise LoopProofError("at rest, and next to it, the claim is not proved")
+        raise LoopProofError(
+            "at rest, and next to it, the claim is not proved",
+            hint="the range of a claim for all time must hold where the loop rests, with some room;"
+            " a bounded time, as in 'during 0 .. 10 s', needs no rest",
+        )
 
     def sign(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.int64]:
         """Return a goal of tubes: to be in the region, so deep that the claim holds in its time."""
