@@ -542,6 +542,17 @@ def test_a_certificate_of_anything_else_is_refused(tmp_path, capsys, words, sent
     assert sentence in told
 
 
+@pytest.mark.parametrize(
+    ("guarded", "outside"), [("servo", False), ("heater", True)], indirect=["guarded"]
+)
+def test_a_plant_that_starts_outside_the_region_is_said(guarded, tmp_path, capsys, outside):
+    capsys.readouterr()
+    path, certificate = (f"{guarded.folder}/{guarded.name}{end}" for end in (".frb", ".json"))
+    assert main(["compile", path, "-o", f"{tmp_path}/x.c", "--guard", certificate]) == 0
+    told = capsys.readouterr().err
+    assert ("room starts at temperature = 15, wall = 15, outside the region" in told) == outside
+
+
 def test_a_drive_without_a_fallback_is_refused(tmp_path, capsys):
     path = with_fallback(tmp_path, "servo", "on nan 0")
     certificate = proved(path, *LOOPS["servo"])

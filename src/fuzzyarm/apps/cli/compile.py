@@ -46,6 +46,7 @@ from fuzzyarm.apps.cli.command import (
     UsageError,
     WordError,
     busy,
+    print_error,
     print_json,
     require_suffix,
     say,
@@ -311,6 +312,12 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     how = certified(making_of(request), controller, request)
     with busy("exporting") as progress, _of_file(request.file):
         exported, reports = program_of(controller, request.out, how, progress)
+    if how.certified is not None:
+        from fuzzyarm.exchange.export.certified_guard import start_outside
+
+        outside = start_outside(how.certified)
+        if outside:
+            print_error(outside)
     _write_export(request, how, exported, reports, controller_lines(exported))
 
 

@@ -29,11 +29,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
 
+from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.program import skipped_drives
 from fuzzyarm.exchange.export.guard import Known, RegionGuard, Seed, port_label
 from fuzzyarm.exchange.export.numbers import ExportError, rounded, rounded_down
 from fuzzyarm.exchange.export.steps import Steps, StepVariable, first_of
 from fuzzyarm.language.model.controller import Drive
+from fuzzyarm.plant.own import start_of
 from fuzzyarm.proof.check.checking import Checked
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.numbers import (
@@ -99,6 +101,27 @@ def region_guard(checked: Checked, steps: Steps) -> RegionGuard:
     numbers = tuple(x.known for x in known)
     return RegionGuard(
         numbers, unknown, factor, limit, delta, set_points, _fallback(steps), checked
+    )
+
+
+def start_outside(checked: Checked) -> str:
+    """Return in words that a plant starts outside the region of its certificate; else nothing."""
+    assert checked.proof is not None
+    problem, (loop, proof) = checked.proof.problem, checked.proof.havens[0]
+    rows = [loop.names.index(name) for name in problem.states]
+    inverse = fmpq_mat([[exact(x) for x in row] for row in proof.p]).inv()
+    spread = np.array([[float(inverse[i, j]) for j in rows] for i in rows])
+    start = start_of(problem.plant, np.random.default_rng(0))
+    away = np.array(start) - [float(loop.rest[name]) for name in problem.states]
+    # The least V over all memory.
+    if problem.unknown_start or away @ np.linalg.solve(spread, away) <= 1.0:
+        return ""
+    words = ", ".join(
+        f"{name} = {number_text(x)}" for name, x in zip(problem.states, start, strict=True)
+    )
+    return (
+        f"{problem.plant.name} starts at {words}, outside the region of the certificate: the guard"
+        " may refuse the first state already"
     )
 
 
