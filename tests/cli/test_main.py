@@ -307,6 +307,9 @@ def test_options_of_the_arm_come_last_behind_one_heading(capsys, name):
     assert main([name, "--help"]) == 0
     whole = capsys.readouterr().out
     page, _, arm = whole.partition("\nthe arm and its study:\n")
+    headings = re.findall(r"^(\S.*):$", page, re.MULTILINE)
+    few = [heading for heading in ("trajectory", "load") if heading in headings]
+    assert headings[len(headings) - len(few) :] == few
     # No heading follows; the options of the arm are in no other group.
     assert not re.search(r"^\S.*:$", arm, re.MULTILINE)
     options = page.partition("\noptions:\n")[2]

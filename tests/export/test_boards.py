@@ -389,8 +389,8 @@ def test_a_period_below_what_a_board_counts_is_refused(tmp_path, monkeypatch, ca
     monkeypatch.chdir(tmp_path)
     assert main(["compile", servo_of(period), "--for", "arduino", "-o", "made"]) == 1
     assert (
-        "too short for a board, which counts microseconds: at least 100 µs (period 100 us)"
-        in capsys.readouterr().err
+        "too short for a board, which counts microseconds: at least 100 µs (period 100 us; or"
+        " plain C, as in -o law.c, called by a timer interrupt)" in capsys.readouterr().err
     )
     assert not Path("made").exists()
 

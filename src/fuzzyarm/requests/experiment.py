@@ -15,7 +15,8 @@ TRAJECTORY, LOAD, PLANT = "trajectory", "load", "plant"
 AROUND = "sensors, actuators and disturbances"
 RUN = "run"
 LAST = "the arm and its study"
-"""Last group of a help page."""
+AT_THE_END = (TRAJECTORY, LOAD, LAST)
+"""Last groups of a help page, in this order: few plants have them."""
 
 
 TABLES = ("rulebase", "alpha", "table")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from fuzzyarm.apps.cli.command import Argument, Command, UsageError
-from fuzzyarm.requests.experiment import LAST
+from fuzzyarm.requests.experiment import AT_THE_END
 from fuzzyarm.requests.fields import Request, RequestError, RequestField, fields_of
 
 AnyRequest = TypeVar("AnyRequest", bound=Request)
@@ -48,8 +48,9 @@ def request_command(
             raise of_option(error, kind) from None
 
     arguments = [*map(argument_of, fields_of(kind)), *more]
-    groups = list(dict.fromkeys(argument.group for argument in arguments))
-    arguments.sort(key=lambda argument: (argument.group == LAST, groups.index(argument.group)))
+    found = dict.fromkeys(argument.group for argument in arguments)
+    groups = [*(group for group in found if group not in AT_THE_END), *AT_THE_END]
+    arguments.sort(key=lambda argument: groups.index(argument.group))
     return Command(name, description, run_words, tuple(arguments))
 
 

@@ -384,7 +384,7 @@ def clock_of(period: float) -> Clock:
         raise ExportError(
             f"a period of {number_text(period)} s is too short for a board, which counts"
             f" microseconds: at least {SHORTEST} µs",
-            hint=f"period {SHORTEST} us",
+            hint=f"period {SHORTEST} us; or plain C, as in -o law.c, called by a timer interrupt",
         )
     if micros <= _MOST_COUNTS:
         return Clock("micros", micros, "µs")
