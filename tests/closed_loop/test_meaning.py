@@ -109,6 +109,25 @@ def test_a_drive_counts_with_its_new_value_at_the_end(folder):
 
 
 @pytest.mark.parametrize(
+    ("during", "proved"),
+    [
+        ("0 .. 10 ms", True),
+        ("0 .. 10.00000000005 ms", False),
+        ("10 .. 10 ms", True),
+        ("10.00000000005 .. 10.00000000005 ms", False),
+        ("9.99999999995 .. 10 ms", True),
+    ],
+)
+def test_the_end_of_a_claim_is_its_decimal(folder, during, proved):
+    name = plant_file(rates="[900 * u[0]]", start="[0]")
+    Path("c.frb").write_text(LAW.replace("e * 2", "e * 0 + 1").format(""), encoding="utf-8")
+    text = load_controller("c.frb")
+    # y is 9 at 10 ms, and 4.5e-11 more after 5e-14 s.
+    claim = f"on '{name}' from y in 0 .. 0: y in -1 .. 9.00000000001 during {during}"
+    assert prove_loop(text, read_claim(claim)).proved is proved
+
+
+@pytest.mark.parametrize(
     "fields",
     [
         {"when": "always", "end": 1.0},
@@ -638,14 +657,15 @@ def test_a_name_that_no_path_can_have_is_no_plant(folder, name):
         claimed_plant(claim, trust=True)
 
 
-def test_a_delay_that_the_loop_would_round_is_refused(capsys):
-    servo = str(shipped("servo.frb"))
-    words = ["prove", servo, "--plant", "motor", "--stable", "--sensor-delay", "position=1.5ms"]
-    assert main(words) == 4
+@pytest.mark.parametrize(("periods", "count"), [("1.5", 2), ("1.0000009", 1), ("2.0000000001", 2)])
+@pytest.mark.parametrize(("kind", "port"), [("sensor", "position"), ("actuator", "voltage")])
+def test_a_delay_that_the_loop_would_round_is_refused(capsys, kind, port, periods, count):
+    words = ["prove", str(shipped("servo.frb")), "--plant", "motor", "--stable"]
+    assert main([*words, f"--{kind}-delay", f"{port}={periods}ms"]) == 4
     said = capsys.readouterr().out
     assert "undecided" in said
-    assert "the delay of 'position' is 1.5 control periods" in said
-    assert "2 of them are 0.002 s" in said
+    assert f"the delay of '{port}' is {periods} control periods" in said
+    assert f"{count} of them are 0.00{count} s" in said
 
 
 def test_a_name_that_the_controller_lacks_is_connected_to_nothing() -> None:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from fuzzyarm.base.errors import UsageError
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 _MOST_DECIMALS = 6
 _SMALLEST_PLAIN = -5
@@ -51,10 +55,15 @@ def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
     step = (high - low) / intervals
     if abs(low) + abs(high) < 1e15 and low.is_integer() and step.is_integer():
         return tuple(low + step * i for i in range(intervals + 1))
+    first, last = decimal(low), decimal(high)
+    return tuple(float(first + (last - first) * i / intervals) for i in range(intervals + 1))
+
+
+def decimal(x: float) -> Fraction:
+    """Return the number that a float is printed as."""
     from fractions import Fraction
 
-    first, last = Fraction(repr(low)), Fraction(repr(high))
-    return tuple(float(first + (last - first) * i / intervals) for i in range(intervals + 1))
+    return Fraction(repr(float(x)))
 
 
 def column_of_numbers(values: Sequence[float]) -> list[str]:

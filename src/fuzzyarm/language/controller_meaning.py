@@ -35,7 +35,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import amount_text, time_text
 from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.symbolic.sources import MOST_PERIODS, Setting, whole_periods
+from fuzzyarm.symbolic.sources import MOST_PERIODS, Setting, is_whole, whole_periods
 
 MAX_DELAY = 1000
 MAX_EVERY = 100_000
@@ -343,8 +343,8 @@ class _Scope:
         if not period > 0.0:
             return
         count = whole_periods(time, period)
-        if not math.isclose(time, count * period, rel_tol=1e-6, abs_tol=1e-12):
-            message = f"the {word} of {source.kind} is {time / period:.4g} control periods"
+        if not is_whole(time, period):
+            message = f"the {word} of {source.kind} is {time / period:.12g} control periods"
             hint = f"whole ones:  {number_text(count * period)} s"
             self.scope.report("bad-number", message, time.figure.span, hint=hint)
         elif count > MOST_PERIODS:

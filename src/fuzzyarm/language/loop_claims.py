@@ -83,7 +83,7 @@ class LoopClaimNode(NamedTuple):
             assert isinstance(self.begin, Figure)
             end = float(self.end)
             # In the unit of the end: 0.5 .. 1 s.
-            begin = self.begin * (end / self.end.figure if self.end.figure else 1)
+            begin = float(Time(self.begin, self.end.unit))
         elif isinstance(self.begin, Time):
             begin = float(self.begin)
         output = self.output

@@ -12,23 +12,13 @@ from collections.abc import Sequence
 from fuzzyarm.plant.plant import ADVANCE, PARTS, STEP, TASK, TIME, Port
 from fuzzyarm.plant.setting import stored
 from fuzzyarm.symbolic.kernels import call, kernel
-from fuzzyarm.symbolic.sources import whole_periods
-
-
-def periods_of(delay: float, period: float) -> int:
-    """Return a delay in whole control periods, halves rounded up."""
-    return whole_periods(delay, period)
-
-
-def is_whole(delay: float, period: float) -> bool:
-    """Whether a delay is a whole number of control periods, within the rounding of its digits."""
-    return math.isclose(delay, periods_of(delay, period) * period, rel_tol=1e-6, abs_tol=1e-12)
+from fuzzyarm.symbolic.sources import is_whole, whole_periods
 
 
 def dead_time(delay: float, period: float) -> tuple[int, float]:
     """Return a dead time in whole control periods, and the rest, s."""
     if is_whole(delay, period):
-        return periods_of(delay, period), 0.0
+        return whole_periods(delay, period), 0.0
     count = math.floor(delay / period)
     return count, delay - count * period
 

@@ -6,7 +6,6 @@ import hashlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ from fuzzyarm.base import above
 from fuzzyarm.base.diagnostic import MAX_LEVELS
 from fuzzyarm.base.keywords import wrong_argument
 from fuzzyarm.base.names import near_hint
-from fuzzyarm.base.numbers import evenly, number_text
+from fuzzyarm.base.numbers import decimal, evenly, number_text
 from fuzzyarm.base.value_kinds import OfKind
 from fuzzyarm.language.model.rulebase import AnyRuleBase, Input, Output, RuleBase, model_of
 from fuzzyarm.table.axis import Axis, TableError
@@ -316,7 +315,7 @@ def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     if not (step > 0 and math.isfinite(step)):
         raise TableError(f"values are rounded to a positive step, not to {step:g}")
     # 0.1 as 1/10: multiples / 10 is the float nearest to the decimal, multiples · 0.1 is not.
-    exact = Fraction(repr(float(step)))
+    exact = decimal(step)
     multiples = np.rint(values / step)
     if exact.numerator < 2**20 and exact.denominator < 2**53:
         return np.asarray(multiples * float(exact.numerator) / float(exact.denominator) + 0.0)

@@ -24,7 +24,7 @@ from fuzzyarm.control.loop.reference import (
     as_seconds,
     as_signal,
 )
-from fuzzyarm.plant.actuators import dead_times, is_whole, periods_of
+from fuzzyarm.plant.actuators import dead_times
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -43,6 +43,7 @@ from fuzzyarm.plant.plant import (
 )
 from fuzzyarm.plant.setting import CLOCK, PLAIN, ArmError, Conventions, Pair, RunArithmetic
 from fuzzyarm.symbolic.kernels import has_machine_code
+from fuzzyarm.symbolic.sources import is_whole, whole_periods
 
 Vector = NDArray[np.float64]
 
@@ -308,10 +309,10 @@ def delay_notes(options: Options, period: float) -> tuple[str, ...]:
     """Return notes on delays rounded to whole control periods."""
     notes = []
     for name, sensor in options.sensors.items():
-        count = periods_of(sensor.delay, period)
+        count = whole_periods(sensor.delay, period)
         if not is_whole(sensor.delay, period):
             notes.append(
-                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
+                f"the delay of '{name}' is {sensor.delay / period:.12g} control periods of "
                 f"{period:g} s: {count} are taken, {count * period:g} s"
             )
     return tuple(notes)
@@ -525,7 +526,7 @@ class Course:
         for port, output in interface.outputs.items():
             sensor = sensors.get(port, Sensor())
             # A longer delay changes nothing in this run, but takes memory.
-            delay = min(periods_of(sensor.delay, self.motion.period), self.steps)
+            delay = min(whole_periods(sensor.delay, self.motion.period), self.steps)
             source = -1
             if sensor.difference is not None:
                 if not output.rate_of:

@@ -16,13 +16,12 @@ from fuzzyarm.control.controllers.program import ControllerCode, SourceError, Wi
 from fuzzyarm.control.controllers.text import wiring_of
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.plant.actuators import periods_of
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, require_one_rate
 from fuzzyarm.symbolic.identifiers import Names, identifier
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply
-from fuzzyarm.symbolic.sources import VALUE
+from fuzzyarm.symbolic.sources import VALUE, whole_periods
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import INPUTS, VALUES
 
@@ -101,7 +100,7 @@ class ProgramWalk:
         if sensor.resolution or sensor.noise:
             raise LoopProofError("a sensor with steps or noise does not come to rest")
         late = [
-            f"late:{label}:{k + 1}" for k in range(periods_of(sensor.delay, self.problem.period))
+            f"late:{label}:{k + 1}" for k in range(whole_periods(sensor.delay, self.problem.period))
         ]
         if sensor.difference is not None:
             self.states[f"slope:{label}"] = 0.0
@@ -381,12 +380,12 @@ class ProgramWalk:
 
     def _queue(self, kind: str, address: Address, actuator: Port) -> list[str]:
         """Return the states of a dead time, youngest first."""
-        count = periods_of(actuator.dead_time, self.problem.period)
+        count = whole_periods(actuator.dead_time, self.problem.period)
         return [f"{kind}:{'.'.join(address)}:{k + 1}" for k in range(count)]
 
     def _late(self, label: str, delay: float, value: Any) -> Any:
         passed = value
-        for k in range(periods_of(delay, self.problem.period)):
+        for k in range(whole_periods(delay, self.problem.period)):
             name = f"late:{label}:{k + 1}"
             older = value if self._first else self._state(name)
             self._after[name], passed = passed, older

@@ -19,17 +19,17 @@ import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.controller import ControllerModel
-from fuzzyarm.plant.actuators import is_whole, periods_of
 from fuzzyarm.plant.equations import Watched, expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
 from fuzzyarm.symbolic.nodes import Node, symbol, symbols
 from fuzzyarm.symbolic.operations import Interval
+from fuzzyarm.symbolic.sources import whole_periods
 
 
 class LoopProofError(FuzzyarmError, ValueError):
@@ -180,10 +180,10 @@ def require_one_rate(model: ControllerModel) -> None:
 def _demand_whole_delays(delays: Mapping[str, float], period: float) -> None:
     """Refuse a fraction of a period: a sensor would round it, an actuator changes inside."""
     for name, delay in delays.items():
-        count = periods_of(delay, period)
-        if not is_whole(delay, period):
+        count = whole_periods(delay, period)
+        if decimal(delay) != count * decimal(period):
             raise LoopProofError(
-                f"the delay of '{name}' is {delay / period:.4g} control periods, and a loop"
+                f"the delay of '{name}' is {delay / period:.16g} control periods, and a loop"
                 " is proved with whole ones",
                 hint=f"{count} of them are {number_text(count * period)} s",
             )

@@ -8,9 +8,9 @@ and the next one begins. A drive jumps there: what it was and what it becomes co
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from typing import NamedTuple
 
+from fuzzyarm.base.numbers import decimal
 from fuzzyarm.language.model.claims import LoopClaim
 
 
@@ -40,8 +40,3 @@ def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedP
     end = decimal(claim.end) / decimal(period)
     last = math.floor(end) if jumps else math.ceil(end) - 1
     return ClaimedPeriods(min(first, last), last)
-
-
-def decimal(x: float) -> Fraction:
-    """Return the number that a float is printed as."""
-    return Fraction(repr(float(x)))

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.numbers import decimal
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
@@ -209,7 +210,7 @@ class Follower:
         self.goal = goal
         equations = problem.equations
         self.period = problem.period
-        self.periods = max(1, math.ceil(duration / self.period - 1e-9))
+        self.periods = max(1, math.ceil(decimal(duration) / decimal(self.period)))
         points: dict[str, tuple[str, Interval]] = {}
         moving: dict[str, tuple[str, Interval]] = {}
         for symbol, (name, value) in zip(
@@ -243,7 +244,10 @@ class Follower:
         self.ports = [*interface.outputs, *interface.inputs]
         self.labels = [interface.label(port) for port in self.ports]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
-        self.demands = [(demand, self.labels.index(demand.port)) for demand in demands]
+        self.demands = [
+            (each, self.labels.index(each.port), self._edge(each.begin), self._edge(each.end))
+            for each in demands
+        ]
         self.reached = 0
         self._planes: dict[tuple[int, str], RulePlanes] = {}
 
@@ -350,15 +354,23 @@ class Follower:
         high = np.array([port.high for port in ports])[:, None]
         return Intervals(np.clip(bounds.low, low, high), np.clip(bounds.high, low, high))
 
+    def _edge(self, time: float) -> tuple[float, float]:
+        """Return an end of a demand in control periods, and by how much a step is to pass it.
+
+        At a sample the inputs jump, and a step that touches it does not count; at any other time
+        it does.
+        """
+        periods = decimal(time) / decimal(self.period)
+        return float(periods), SAME_TIME if periods.denominator == 1 else -SAME_TIME
+
     def _undone(
         self, begin: float, end: float, between: Intervals, ends: Sequence[Intervals]
     ) -> NDArray[np.bool_]:
         """Tell the boxes that leave a demand in a step; times in control periods."""
         undone = np.zeros(between.shape[1], dtype=bool)
-        for demand, port in self.demands:
-            first, last = demand.begin / self.period, demand.end / self.period
+        for demand, port, (first, opens), (last, closes) in self.demands:
             ranges = []
-            if end > first + SAME_TIME and begin < last - SAME_TIME:
+            if end > first + opens and begin < last - closes:
                 ranges.append(between[port])
             for time, at in zip((begin, end), ends, strict=True):
                 if min(abs(time - first), abs(time - last)) <= SAME_TIME:

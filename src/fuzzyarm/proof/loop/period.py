@@ -16,9 +16,10 @@ from fuzzyarm.control.controllers.text import ports_of
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.controller import Learn, Line, SignalLine, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.plant.actuators import dead_time, periods_of
+from fuzzyarm.plant.actuators import dead_time
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, require_one_rate
+from fuzzyarm.symbolic.sources import whole_periods
 
 T = TypeVar("T")
 
@@ -59,7 +60,7 @@ class LoopPeriod(Generic[T]):
             if sensor.difference is not None:
                 self.memory[f"{axis}.{port} sensed before"] = math.nan
                 self.memory[f"{axis}.{port} sensed slope"] = 0.0
-            cells = self._cells(f"{axis}.{port} late", periods_of(sensor.delay, problem.period))
+            cells = self._cells(f"{axis}.{port} late", whole_periods(sensor.delay, problem.period))
             self.memory |= dict.fromkeys(cells, math.nan)
         self.memory |= {name: cell.start for name, cell in self.control.cells.items()}
         for (axis, name), actuator in problem.site.interface.inputs.items():
@@ -184,7 +185,7 @@ class LoopPeriod(Generic[T]):
             value = algebra.limit(
                 algebra.error(value, 0.5 * sensor.resolution), port.low, port.high
             )
-        return self._handed_on(f"{label} late", periods_of(sensor.delay, period), value)
+        return self._handed_on(f"{label} late", whole_periods(sensor.delay, period), value)
 
     def _cells(self, name: str, count: int) -> list[str]:
         """Return the memory of a delay of so many periods, youngest first."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.loop.course import Options
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate
@@ -21,7 +21,6 @@ from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.proof.claim.problem import LoopProblem, LostRunError
 from fuzzyarm.proof.claim.text import claimed_port
-from fuzzyarm.proof.claim.time import decimal
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Follower
 from fuzzyarm.proof.stop import Stop, TimeOverError

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
@@ -28,7 +28,6 @@ from fuzzyarm.proof.check.numbers import exact, float_above, float_below, is_pos
 from fuzzyarm.proof.check.region import faded, port_within, refutation
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port, problem_of
-from fuzzyarm.proof.claim.time import decimal
 from fuzzyarm.proof.loop.algebra import Number
 from fuzzyarm.proof.loop.enclosure import EnclosureError, outward
 from fuzzyarm.proof.loop.follower import Demand, Nearness
@@ -102,8 +101,8 @@ def _end(problem: LoopProblem, claim: LoopClaim) -> float:
     if math.isinf(claim.end):
         return claim.end
     last = claimed_in(problem, claim).last or 0
-    at_end = decimal(claim.end) == last * decimal(problem.period)
-    return (last + 1) * problem.period if at_end else claim.end
+    period = decimal(problem.period)
+    return float((last + 1) * period) if decimal(claim.end) == last * period else claim.end
 
 
 def loop_tube(

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.jsonable import json_properties
+from fuzzyarm.base.numbers import decimal
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
@@ -117,8 +118,7 @@ class Tube:
         output : str
             A port of the plant.
         begin, end : float
-            s, both included. A time that is a whole number of control periods except for rounding
-            is taken as that number.
+            s, both included, as the decimals that they are printed as.
 
         Raises
         ------
@@ -166,19 +166,19 @@ def _outward_text(x: float, *, up: bool) -> str:
 
 
 def _between(course: Tube, column: int, begin: float, end: float) -> Interval:
-    """Return the hull of the stretches that a stretch of time meets."""
-    slack = 1e-9 * course.problem.period
-    if not 0.0 <= begin <= end <= course.duration + slack:
+    """Return the hull of the control periods that a stretch of time meets.
+
+    A period that is only touched at its end does not count, for inputs jump there: what holds at
+    that instant itself is in `low_at` and `high_at`.
+    """
+    period = decimal(course.problem.period)
+    first, last = decimal(begin) / period, decimal(end) / period
+    if not 0 <= first <= last <= len(course.begins):
         raise EnclosureError(f"the tube is from 0 to {course.duration:g} s")
-    # A stretch that is only touched at its end does not count, for inputs jump there: what holds at
-    # that instant itself is in `low_at` and `high_at`.
-    some = (course.ends > begin + slack) & (course.begins < end - slack)
-    times = np.concatenate([course.begins[:1], course.ends])
-    at = (np.abs(times - begin) <= slack) | (np.abs(times - end) <= slack)
-    if not (some.any() or at.any()):  # within one stretch
-        some = (course.ends >= begin) & (course.begins <= end)
-    low = np.concatenate([course.low[some, column], course.low_at[at, column]])
-    high = np.concatenate([course.high[some, column], course.high_at[at, column]])
+    inside = slice(math.floor(first), math.ceil(last))
+    at = [int(time) for time in (first, last) if time.denominator == 1]
+    low = np.concatenate([course.low[inside, column], course.low_at[at, column]])
+    high = np.concatenate([course.high[inside, column], course.high_at[at, column]])
     return Interval(float(low.min()), float(high.max()))
 
 
@@ -333,7 +333,7 @@ class _Bisection:
         count: int,
     ) -> Tube:
         follower = self.follower
-        period, names = follower.period, follower.names
+        period, names = decimal(follower.period), follower.names
         # Boxes may have taken steps of other lengths: what is common to all are the periods.
         lengths = [round(float(course.ends[-1])) for course in finished] or [follower.periods]
         common = min(lengths)
@@ -345,7 +345,7 @@ class _Bisection:
             if finished
             else []
         )
-        times = np.arange((common if finished else 0) + 1) * period
+        times = [float(k * period) for k in range((common if finished else 0) + 1)]
         begins, ends = times[:-1], times[1:]
         low, high, low_at, high_at = (
             reduce(choose, arrays)
@@ -361,7 +361,7 @@ class _Bisection:
         )
         return Tube(
             problem=follower.problem,
-            duration=common * period,
+            duration=float(common * period),
             ports=tuple(follower.labels),
             begins=np.asarray(begins, float),
             ends=np.asarray(ends, float),
@@ -373,6 +373,6 @@ class _Bisection:
             open=waiting,
             complete=not lost and bool(finished),
             seconds=clock.monotonic() - self.begun,
-            arrival=0.0 if follower.goal is None else max(lengths) * period,
+            arrival=0.0 if follower.goal is None else float(max(lengths) * period),
             reason=self.reason if lost else "",
         )
