@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
@@ -97,12 +98,23 @@ class Site:
             places = {port: at for at, port in enumerate(self._ports(kind))}
             for address in ports_of(model, kind):
                 wires[address] = first[kind] + places[self.find(model, kind, address)]
+        drives = {
+            address: interface.inputs[self.find(model, "drive", address)]
+            for address in cells["drive"]
+        }
+        shared = Counter(cells["drive"].values())
         return Wiring(
             cells["reference"],
             cells["measured"],
             cells["drive"],
             tuple(range(first_told, first_told + len(interface.axes))),
             first_told + 2 * size + (SIGNALS if self.extra else 0),
+            {
+                address: port.start
+                for address, port in drives.items()
+                # Each of several axes that share an input drives a part of it only.
+                if port.start is not None and shared[cells["drive"][address]] == 1
+            },
         )
 
     def driven(self, model: ControllerModel) -> frozenset[Address]:

@@ -69,6 +69,8 @@ class Wiring:
         Where a partner leaves its torque, one cell for each axis.
     size : int
         Number of cells, the clock included.
+    starts : dict
+        Initial values of drives whose actuators have one.
     """
 
     references: Mapping[tuple[str, str], int]
@@ -76,6 +78,7 @@ class Wiring:
     drives: Mapping[tuple[str, str], int]
     partners: tuple[int, ...]
     size: int
+    starts: Mapping[tuple[str, str], float]
 
 
 @dataclass(frozen=True)
@@ -366,7 +369,8 @@ class _Writer:
         drives: dict[int, int] = {}
         for port, (idle, sent) in skipped_drives(axes, self.arithmetic.hold).items():
             cell = self.drives[self.axis, port]
-            self.cells[cell] = idle
+            start = self.wiring.starts.get((self.axis, port))
+            self.cells[cell] = idle if start is None else self.arithmetic.hold(start)
             self.cells[self.last_drives[cell]] = self.cells[cell]
             drives[cell] = self.last_drives[cell] if sent is None else self._number(sent)
         end, count = 1 + len(self.code), self._cell(0.0)

@@ -477,7 +477,7 @@ def wiring_of(model: ControllerModel) -> Wiring:
         at += len(ports)
     # In one row after the clock: references, measured values, drives.
     references, measured, drives = cells
-    return Wiring(references, measured, drives, (), at)
+    return Wiring(references, measured, drives, (), at, {})
 
 
 def gains_of(model: ControllerModel) -> Iterator[Gain]:

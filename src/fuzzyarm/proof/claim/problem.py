@@ -23,7 +23,7 @@ from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
-from fuzzyarm.language.model.controller import ControllerModel
+from fuzzyarm.language.model.controller import ControllerModel, SignalLine
 from fuzzyarm.plant.equations import Watched, expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
@@ -245,6 +245,7 @@ def loop_problem(
     for name in set(site.connect) - connectable_names(text.model):
         # A sentence about the loop would say that it is joined.
         raise LoopProofError(f"nothing in {text.model.name} is called '{name}', to be connected")
+    _demand_driven_from_zero(text, site)
     delays = {name: sensor.delay for name, sensor in (sensors or {}).items()}
     if not inside:
         delays |= {name: port.dead_time for name, port in plant.inputs.items()}
@@ -277,6 +278,21 @@ def loop_problem(
         text, plant, site, starts, values, set_points, effective, alone, unknown if alone else "",
         given,
     )  # fmt: skip
+
+
+def _demand_driven_from_zero(text: ControllerText, site: Site) -> None:
+    """Refuse `driven` of an actuator that begins at another value than 0."""
+    for axes, line in text.model.lines():
+        source = line.source if isinstance(line, SignalLine) else None
+        if source is None or source.kind != "driven":
+            continue
+        for axis in axes.names:
+            address = site.find(text.model, "drive", (axis, source.name))
+            if site.interface.inputs[address].start is not None:
+                raise LoopProofError(
+                    f"'driven {source.name}' begins at the start of its actuator,"
+                    f" {site.interface.inputs[address].start:g}: nothing is proved about it"
+                )
 
 
 def _demand_once(places: Mapping[str, list[Address]]) -> None:
