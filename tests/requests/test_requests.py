@@ -286,6 +286,14 @@ def test_what_is_on_by_default_can_be_switched_off(name: str) -> None:
         assert off, action.dest
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_said_of_the_journal():
+    journal = WorkJournal("/dev/full", "sweep", {"asked": 1}, ["run", "x"])
+    for work in (journal.begin, lambda: journal.append([["0", "1"]]), journal.close):
+        with pytest.raises(OSError, match="/dev/full"):
+            work()
+
+
 HOLDER = """\
 import sys
 from fuzzyarm.requests.journal import WorkJournal

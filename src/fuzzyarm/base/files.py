@@ -97,7 +97,7 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
     data = content.encode() if isinstance(content, str) else content
     if is_in_command():
         data = marked(path, data)
-    with _named(path):
+    with naming(path):
         if _stays(path):
             with open(path, "wb") as file:
                 return _written(file, data)
@@ -111,7 +111,7 @@ def demand_writable(path: str | Path) -> None:
     """
     _demand_leave(path)
     if not _stays(path):
-        with _named(path):
+        with naming(path):
             handle, name = _part_in(real_path(path).parent)
             os.close(handle)
             os.unlink(name)
@@ -191,7 +191,7 @@ def _demand_leave(path: str | Path) -> None:
 
 
 @contextlib.contextmanager
-def _named(path: str | Path) -> Iterator[None]:
+def naming(path: str | Path) -> Iterator[None]:
     """Name the file in errors, not its temporary part."""
     try:
         yield

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.files import demand_writable, locked
+from fuzzyarm.base.files import demand_writable, locked, naming
 
 Row = Sequence[str]
 
@@ -69,7 +69,8 @@ class WorkJournal:
         demand_writable(self.path)
         file = self._held()
         self._demand_replaceable(total, may_replace=may_replace)  # locked since _held
-        file.truncate(0)
+        with naming(self.path):
+            file.truncate(0)
         self._write(self.head)
 
     def _held(self) -> BinaryIO:
@@ -137,13 +138,15 @@ class WorkJournal:
     def close(self) -> None:
         """Release the file for other work."""
         if self._file is not None:
-            self._file.close()
-            self._file = None
+            file, self._file = self._file, None
+            with naming(self.path):
+                file.close()
 
     def _write(self, text: str) -> None:
         file = self._held()
-        file.write(text.encode())
-        file.flush()
+        with naming(self.path):
+            file.write(text.encode())
+            file.flush()
 
     def _difference(self, content: bytes) -> str:
         """Return the difference between the file's question and this one, in words."""
