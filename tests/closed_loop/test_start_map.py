@@ -292,7 +292,7 @@ def test_an_interrupted_map_of_an_odd_loop_counts_each_box_once(
     controller, plant = tipping
     journal = tmp_path / "map.csv"
     asked: dict[str, Any] = {
-        "plant": str(plant), "map": True, "over": "x in -3 .. 3, w in -1 .. 1", "budget": 60.0
+        "plant": str(plant), "map": True, "over": "x in -3 .. 3, w in -1 .. 1", "budget": 15.0
     }  # fmt: skip
     whole = fuzzyarm.prove(controller, **asked, resume=str(journal))
     lines = journal.read_text().splitlines(keepends=True)
@@ -446,3 +446,48 @@ def test_runs_of_an_odd_loop_from_opposite_starts_are_opposite(
     )
     for name, course in one.outputs.items():
         assert np.allclose(course, -two.outputs[name], atol=1e-9 * (1 + np.abs(course).max()))
+
+
+def _cartpole_step(x: np.ndarray, push: np.ndarray) -> np.ndarray:
+    """One period of 20 ms, by two steps of Runge and Kutta's method."""
+
+    def rates(x: np.ndarray) -> np.ndarray:
+        sine, cosine = np.sin(x[:, 2]), np.cos(x[:, 2])
+        force = (push + 0.05 * x[:, 3] ** 2 * sine) / 1.1
+        angular = (9.8 * sine - cosine * force) / (0.5 * (4 / 3 - 0.1 * cosine**2 / 1.1))
+        return np.column_stack([x[:, 1], force - 0.05 * angular * cosine / 1.1, x[:, 3], angular])
+
+    for _ in range(2):
+        a = rates(x)
+        b = rates(x + 0.005 * a)
+        c = rates(x + 0.005 * b)
+        x = x + 0.01 / 6.0 * (a + 2.0 * b + 2.0 * c + rates(x + 0.01 * c))
+    return x
+
+
+@pytest.mark.slow(seconds=25)
+def test_runs_of_the_cartpole_from_proved_boxes_come_to_rest() -> None:
+    window = {"x": (0.9, 1.5), "v": (0.2, 0.6), "theta": (0.1, 0.15), "omega": (-0.2, 0.2)}
+    found = fuzzyarm.prove(
+        fuzzyarm.shipped("cartpole.frb"), plant="cartpole", map=True, over=window, budget=40.0
+    )
+    boxes = [box for box in found.boxes if box.verdict == "proved"]
+    assert found.share("proved") > 0.5
+    assert found.share("proved") + found.share("open") == pytest.approx(1.0, abs=1e-9)
+    generator, starts = np.random.default_rng(3), []
+    corners = np.array(np.meshgrid(*[[0.0, 1.0]] * 4)).reshape(4, -1).T
+    for box in boxes:
+        low, high = np.array(box.low), np.array(box.high)
+        starts += [*(low + np.vstack([corners, generator.random((8, 4))]) * (high - low))]
+    x = np.array(starts)
+    # The grid of the rules: a sum of two positions in steps of a half, within three steps.
+    rows = np.clip(np.add.outer(np.arange(-2, 3), np.arange(-2, 3)), -3, 3) / 3.0
+    for _ in range(1000):
+        lean = np.clip(6.0 * x[:, 2] + 0.3 * x[:, 0], -1.0, 1.0)
+        fall = np.clip(1.5 * x[:, 3] + 0.6 * x[:, 1], -1.0, 1.0)
+        i, j = (np.minimum((2.0 * (s + 1.0)).astype(int), 3) for s in (lean, fall))
+        p, q = 2.0 * (lean + 1.0) - i, 2.0 * (fall + 1.0) - j
+        low = rows[i, j] * (1.0 - q) + rows[i, j + 1] * q
+        high = rows[i + 1, j] * (1.0 - q) + rows[i + 1, j + 1] * q
+        x = _cartpole_step(x, 10.0 * (low * (1.0 - p) + high * p))
+    assert (np.abs(x) <= 1e-3).all()

@@ -13,9 +13,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ from fuzzyarm.proof.claim.text import loop_sentence, problem_of
 from fuzzyarm.proof.loop.boxes import certify_map
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box
-from fuzzyarm.proof.loop.map_worker import MapCase, MapWorker, mapped_piece
+from fuzzyarm.proof.loop.map_worker import MapCase, MapWorker, mapped_box, mapped_piece
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.start_map import OPEN, PROVED, REFUTED, MappedBox, StartMap
 from fuzzyarm.proof.loop.symmetry import is_odd
@@ -52,8 +53,8 @@ RUNS = 400
 SHARE_OF_CHECK = 0.5
 """Of the budget, what the checker may take to follow the boxes of a certificate, at least."""
 
-AT_ONCE = 4
-"""Pieces of work for each worker."""
+ROUNDS = 6
+"""Times that workers tell each other of what they have proved; each has more time than before."""
 
 
 Watch = Callable[[StartMap], None]
@@ -296,39 +297,45 @@ class _Map:
     def _searched(self, case: MapCase) -> None:
         worker = MapWorker(case)
         self.chained = worker.cover is not None
-        _remaining(worker.first, self.boxes)  # raises where those of a journal overlap
-        todo = _without(worker.tiles(), self.boxes)
+        todo = worker.tiles(_remaining(worker.first, self.boxes))
         worker.learn(self.boxes)
         if (self.workers == 1 and self.search.executor is None) or len(todo) < 2:
-            worker.mapped(todo, self.stop.left, self._heard)
+            rest = worker.mapped(dict.fromkeys(todo, ""), self.stop.left, self._heard)
             self.work = self.stop.spent
-            return
-        with self.crew:
-            self._shared(packed(case), todo)
+        else:
+            with self.crew:
+                rest = self._shared(packed(case), todo)
+        late = "time ran out"
+        self._heard([mapped_box(box, OPEN, 0, reason or late) for box, reason in rest.items()])
 
-    def _shared(self, content: bytes, todo: Sequence[Box]) -> None:
+    def _shared(self, content: bytes, boxes: Sequence[Box]) -> dict[Box, str]:
         """Let workers map boxes; each has the whole budget, less what was taken here."""
-        count = min(len(todo), self.workers * AT_ONCE)
-        parts = [todo[k::count] for k in range(count)]
-        left = dict.fromkeys(range(self.workers), self.stop.left)
-        under_way: dict[Future[tuple[list[MappedBox], float]], int] = {}
-        seconds = self.stop.spent
-        while parts or under_way:
-            for slot in [k for k in left if k not in under_way.values()]:
-                if not parts:
-                    break
-                share = left[slot] / math.ceil(len(parts) / self.workers)
-                known = [box for box in self.boxes if box.verdict == PROVED]
-                task = self.crew.submit(mapped_piece, content, parts.pop(0), known, max(share, 0.0))
-                under_way[task] = slot
-            for task in wait(under_way, return_when=FIRST_COMPLETED).done:
-                slot = under_way.pop(task)
+        todo = dict.fromkeys(boxes, "")
+        left = [self.stop.left] * self.workers
+        self.work = self.stop.spent
+        for rounds in range(ROUNDS, 0, -1):
+            # Side by side along the first state: what one proves is a goal of its own boxes.
+            row = sorted(todo)
+            ends = [len(row) * k // self.workers for k in range(self.workers + 1)]
+            parts = [{box: todo[box] for box in row[a:b]} for a, b in pairwise(ends)]
+            known = [box for box in self.boxes if box.verdict == PROVED]
+            tasks = [
+                self.crew.submit(
+                    mapped_piece, content, part, known, max(seconds / 2 ** (rounds - 1), 0.0)
+                )
+                for part, seconds in zip(parts, left, strict=True)
+            ]
+            todo = {}
+            for slot, task in enumerate(tasks):
                 with workers_watched():
-                    boxes, taken = task.result()
+                    decided, rest, taken = task.result()
                 left[slot] -= taken
-                seconds += taken
-                self.work = seconds
-                self._heard(boxes)
+                self.work += taken
+                todo |= rest
+                self._heard(decided)
+            if not todo:
+                break
+        return todo
 
     def _with_opposites(self, boxes: Sequence[MappedBox]) -> list[MappedBox]:
         if not self.odd:
@@ -426,15 +433,6 @@ def _read_row(row: Sequence[str]) -> MappedBox:
     if verdict not in (PROVED, REFUTED) or not (are_sides and all(map(math.isfinite, numbers))):
         raise ValueError
     return MappedBox(tuple(numbers[::2]), tuple(numbers[1::2]), verdict, int(periods), reason)
-
-
-def _without(boxes: Sequence[Box], done: Sequence[MappedBox]) -> list[Box]:
-    """Return boxes without the parts that are done."""
-    rest: list[Box] = []
-    for box in boxes:
-        inside = [d for d in done if _is_within(d, box)]
-        rest += _remaining(box, inside)
-    return rest
 
 
 def _is_within(part: MappedBox, box: Box) -> bool:

@@ -32,11 +32,17 @@ from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.zonotope import Forms
 from fuzzyarm.proof.stop import Stop
 
-TILES = 64
-"""Parts of the window to begin with, at least."""
+LEAST, MOST = 6, 14
+"""Halvings of the window to begin with."""
+
+NARROW = 0.7
+"""How far those boxes reach at most, in units of the region, where what is proved is a goal."""
 
 HALVINGS = 8
 """How often a side of the window is halved at most, on average over the sides."""
+
+Open = Mapping[Box, str]
+"""Boxes that are open, each with the reason so far."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +84,10 @@ class MapWorker:
         self.known: set[tuple[tuple[float, ...], tuple[float, ...]]] = set()
         self.odd = case.odd
         self.cover = self._cover(problem)
+        low, high = np.array(self.first.low), np.array(self.first.high)
+        # Of a deviation: its coordinates in units of the region, or of the window.
+        self.units = np.diag(1.0 / (high - low)) if self.cover is None else self.haven.factor.T
+        self.sides = 0.5 * (high - low) * np.linalg.norm(self.units, axis=0)
 
     def _cover(self, problem: LoopProblem) -> Cover | None:
         """Return the region proved so far, where arriving is as good as starting."""
@@ -126,59 +136,58 @@ class MapWorker:
                     self.known.add((each.low, each.high))
                     self.cover.add(each.low, each.high)
 
-    def tiles(self) -> list[Box]:
-        """Return the parts of the window to begin with."""
-        boxes, ways = [self.first], len(self.first.low)
-        while len(boxes) < TILES:
-            way = int(np.argmin(boxes[0].halvings)) if ways else 0
-            boxes = [half for box in boxes for half in box.halves(way)]
-        if self.odd:  # the others are opposite to these
-            boxes = [box for box in boxes if box.high > tuple(0.0 - x for x in box.low)]
-        return sorted(boxes, key=self.distance)
+    def tiles(self, boxes: Sequence[Box]) -> list[Box]:
+        """Return the parts of boxes to begin with, their widest sides halved."""
+        tiles, large = list[Box](), list(boxes)
+        while large:
+            box = large.pop()
+            widths = self.sides * 0.5 ** np.array(box.halvings)
+            # What is wider than the region seldom leads into it, or into what is next to it.
+            is_wide = self.cover is not None and math.hypot(*widths) > NARROW
+            if sum(box.halvings) < (MOST if is_wide else LEAST):
+                large += box.halves(int(np.argmax(widths)))
+            elif not self.odd or box.high > tuple(0.0 - x for x in box.low):  # or the opposite is
+                tiles.append(box)
+        return sorted(tiles, key=self.distance)
 
     def distance(self, box: Box) -> float:
-        """Return how far a box is from rest, in shares of the window."""
-        low, high = np.array(box.low), np.array(box.high)
-        width = np.array(self.first.high) - np.array(self.first.low)
-        return float((np.abs(0.5 * low + 0.5 * high - self.middle) / width).max(initial=0.0))
+        """Return how far a box is from rest, in units of the region or of the window."""
+        middle = 0.5 * np.array(box.low) + 0.5 * np.array(box.high)
+        return float(np.linalg.norm(self.units @ (middle - self.middle)))
 
     def mapped(
-        self, boxes: Sequence[Box], seconds: float, heard: Callable[[Sequence[MappedBox]], None]
-    ) -> None:
-        """Map boxes; what is decided, and in the end what is left open, is heard."""
-        _Mapping(self, boxes, heard).run(seconds)
+        self, boxes: Open, seconds: float, heard: Callable[[Sequence[MappedBox]], None]
+    ) -> dict[Box, str]:
+        """Map boxes; what is decided is heard, what time did not suffice for is returned."""
+        return _Mapping(self, boxes, heard).run(seconds)
 
 
 class _Mapping:
     """One piece of work."""
 
     def __init__(
-        self, worker: MapWorker, boxes: Sequence[Box], heard: Callable[[Sequence[MappedBox]], None]
+        self, worker: MapWorker, boxes: Open, heard: Callable[[Sequence[MappedBox]], None]
     ) -> None:
         self.worker, self.heard = worker, heard
         self.queue: list[tuple[int, float, int, Box, str]] = []
         self.count = 0
-        self.under_way: dict[Box, None] = {}
         self.probes: dict[Box, tuple[Box, str]] = {}
-        for box in boxes:
-            self._push(box, "")
+        for box, reason in boxes.items():
+            self._push(box, reason)
 
     def _push(self, box: Box, reason: str) -> None:
         self.count += 1
-        # Large ones first; but backward from rest where what is proved is a goal.
-        size = sum(box.halvings) if self.worker.cover is None else 0
-        key = size, self.worker.distance(box), self.count
+        # Large ones first, and backward from rest: most of the volume is decided soon.
+        key = sum(box.halvings), self.worker.distance(box), self.count
         heapq.heappush(self.queue, (*key, box, reason))
 
-    def run(self, seconds: float) -> None:
-        """Work until all is decided, or time is over."""
+    def run(self, seconds: float) -> dict[Box, str]:
+        """Work until all is decided, or time is over; return what is not."""
         pool = self.worker.pool
         pool.restart(Stop(seconds))
         rest = pool.follow(self._next, self._done)
-        waiting = [(box, reason) for *_, box, reason in self.queue]
-        waiting += [self.probes.get(box, (box, "")) for box in rest]
-        late = "time ran out"
-        self.heard([_mapped(box, OPEN, 0, reason or late) for box, reason in waiting])
+        waiting = [(box, reason) for *_, box, reason in self.queue] + [(box, "") for box in rest]
+        return dict(self.probes.get(box, (box, reason)) for box, reason in waiting)
 
     def _next(self, most: int) -> list[Box]:
         boxes: list[Box] = []
@@ -194,13 +203,17 @@ class _Mapping:
             if box in self.probes:
                 box, reason = self.probes.pop(box)
                 if fate.end == LOST:
-                    decided.append(_mapped(box, REFUTED, fate.periods, f"a run is {fate.reason}"))
+                    decided.append(
+                        mapped_box(box, REFUTED, fate.periods, f"a run is {fate.reason}")
+                    )
                 else:
-                    decided.append(_mapped(box, OPEN, 0, reason))
+                    decided.append(mapped_box(box, OPEN, 0, reason))
             elif fate.end == ARRIVED:
-                decided.append(_mapped(box, PROVED, fate.periods, ""))
+                decided.append(mapped_box(box, PROVED, fate.periods, ""))
             elif fate.end == LOST:
-                decided.append(_mapped(box, REFUTED, fate.periods, f"all runs are {fate.reason}"))
+                decided.append(
+                    mapped_box(box, REFUTED, fate.periods, f"all runs are {fate.reason}")
+                )
             elif fate.was_cut:  # anew: what had added up until it was halved is less from now on
                 self._push(box, fate.reason)
             elif sum(box.halvings) < self.worker.pool.most:
@@ -221,7 +234,8 @@ class _Mapping:
         self._push(probe, reason)
 
 
-def _mapped(box: Box, verdict: str, periods: int, reason: str) -> MappedBox:
+def mapped_box(box: Box, verdict: str, periods: int, reason: str) -> MappedBox:
+    """Return a box with its verdict."""
     return MappedBox(box.low, box.high, verdict, periods, reason)
 
 
@@ -235,13 +249,13 @@ def _worker_of(content: bytes) -> MapWorker:
 
 
 def mapped_piece(
-    content: bytes, boxes: Sequence[Box], known: Sequence[MappedBox], seconds: float
-) -> tuple[list[MappedBox], float]:
-    """Map boxes in another process; return them, and the seconds of work."""
+    content: bytes, boxes: Open, known: Sequence[MappedBox], seconds: float
+) -> tuple[list[MappedBox], dict[Box, str], float]:
+    """Map boxes in another process; return them, those that are left, and the seconds of work."""
     found: list[MappedBox] = []
     with _ONE_AT_A_TIME:
         begun = time.process_time()
         worker = _worker_of(content)
         worker.learn(known)
-        worker.mapped(boxes, seconds - (time.process_time() - begun), found.extend)
-        return found, time.process_time() - begun
+        rest = worker.mapped(boxes, seconds - (time.process_time() - begun), found.extend)
+        return found, rest, time.process_time() - begun
