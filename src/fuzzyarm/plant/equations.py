@@ -356,10 +356,16 @@ def _reached(function: Callable[..., Any]) -> dict[tuple[object, str], object]:
     return found
 
 
+_IMPORT_NAME = dis.opmap["IMPORT_NAME"]
+
+
 def _imports_late(function: FunctionType) -> bool:
     """Whether a function imports a module of its folder, which Python may have changed by then."""
-    folder = os.path.dirname(os.path.abspath(function.__code__.co_filename))
-    instructions = dis.get_instructions(function.__code__)
+    code = function.__code__
+    if _IMPORT_NAME not in code.co_code[::2]:  # hardly any does, and decoding takes long
+        return False
+    folder = os.path.dirname(os.path.abspath(code.co_filename))
+    instructions = dis.get_instructions(code)
     names = [line.argval.partition(".")[0] for line in instructions if line.opname == "IMPORT_NAME"]
     return any(
         os.path.exists(os.path.join(folder, found))
