@@ -100,6 +100,6 @@ def test_a_constant_that_is_off_by_a_tenth_is_noticed(tmp_path, path):
                 missed.append(mutant)
     if path.stem == "manual-heater":
         # Its integral comes to its lower limit alone in 200 periods: a known miss.
-        assert (noticed, len(missed)) == (5, 2)
+        assert (noticed, len(missed)) == (4, 2)
         pytest.xfail("the upper limit of the integral of manual-heater is not reached")
     assert noticed >= 0.95 * (noticed + len(missed)), (noticed, len(missed))
