@@ -1,4 +1,4 @@
-"""Exact decimal text of numbers, even levels, short forms of lists of numbers, times."""
+"""Exact decimal text of numbers, even levels, short forms of lists of numbers, times, periods."""
 
 from __future__ import annotations
 
@@ -157,3 +157,14 @@ def read_time(text: str, option: str) -> float:
     if value < 0.0:
         raise UsageError(f"{option} is not negative, as '{text}' is")
     return value
+
+
+def whole_periods(time: float, period: float) -> int:
+    """Return a time in whole control periods, halves rounded up."""
+    return math.floor(time / period + 0.5 + 1e-9)
+
+
+def is_whole(time: float, period: float) -> bool:
+    """Whether a time is a whole number of control periods, as decimals or as floats."""
+    count = whole_periods(time, period)
+    return time == count * period or decimal(time) == count * decimal(period)

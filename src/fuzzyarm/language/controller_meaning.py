@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Related, Severity, Span, Word, span_of
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import is_whole, number_text, whole_periods
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controller_names import ControllerNames
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
@@ -35,7 +35,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import amount_text, time_text
 from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.symbolic.sources import MOST_PERIODS, Setting, is_whole, whole_periods
+from fuzzyarm.symbolic.sources import MOST_PERIODS, Setting
 
 MAX_DELAY = 1000
 MAX_EVERY = 100_000

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from fuzzyarm.base.numbers import is_whole, whole_periods
 from fuzzyarm.plant.plant import ADVANCE, PARTS, STEP, TASK, TIME, Port
 from fuzzyarm.plant.setting import stored
 from fuzzyarm.symbolic.kernels import call, kernel
-from fuzzyarm.symbolic.sources import is_whole, whole_periods
 
 
 def dead_time(delay: float, period: float) -> tuple[int, float]:

@@ -402,7 +402,8 @@ def _modules_of(folder: str) -> list[str]:
     parts = {name: name.partition(".")[0] for name in modules}
     # Machine code is loaded once.
     machine = {parts[name] for name, module in modules.items() if _is_machine_code(module)}
-    return [name for name, top in parts.items() if top in tops - machine - {"fuzzyarm"}]
+    tops -= machine | {"fuzzyarm"}
+    return [name for name, top in parts.items() if top in tops]
 
 
 def _is_in(module: ModuleType, folder: str) -> bool:

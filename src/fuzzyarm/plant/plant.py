@@ -16,7 +16,7 @@ from fuzzyarm.base.errors import FuzzyarmError, UsageError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import read_time
 from fuzzyarm.base.shown import one_line
-from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
+from fuzzyarm.plant.equations import compiled_by_numba, has_numba, is_of_package, traced
 from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.symbolic.kernels import (
     address_of,
@@ -245,9 +245,10 @@ class Plant:
     def __init_subclass__(cls) -> None:
         # Ports and parameters of shipped plants are the same for all of a process.
         super().__init_subclass__()
-        for name, value in list(vars(cls).items()):
-            if isinstance(value, dict) and cls.__module__.startswith("fuzzyarm."):
-                setattr(cls, name, MappingProxyType(value))
+        if is_of_package(cls):
+            for name, value in list(vars(cls).items()):
+                if isinstance(value, dict):
+                    setattr(cls, name, MappingProxyType(value))
 
     def __repr__(self) -> str:
         ports = f"{', '.join(self.inputs) or 'nothing'} → {', '.join(self.outputs) or 'nothing'}"

@@ -43,7 +43,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any, Literal, NamedTuple
 
-from fuzzyarm.base.numbers import decimal
+from fuzzyarm.base.numbers import whole_periods
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.nodes import Node, argument_names, trace
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
@@ -387,17 +387,6 @@ class SourceKind(Kind):
 
 MOST_PERIODS = 250
 """Largest number of states of a source: each is a variable of an exported program."""
-
-
-def whole_periods(time: float, period: float) -> int:
-    """Return a time in whole control periods, halves rounded up."""
-    return math.floor(time / period + 0.5 + 1e-9)
-
-
-def is_whole(time: float, period: float) -> bool:
-    """Whether a time is a whole number of control periods, as decimals or as floats."""
-    count = whole_periods(time, period)
-    return time == count * period or decimal(time) == count * decimal(period)
 
 
 @cache

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.keywords import demand_arguments
+from fuzzyarm.base.numbers import is_whole, whole_periods
 from fuzzyarm.control.controllers.law import view
 from fuzzyarm.control.controllers.on_plant import Site, site_of
 from fuzzyarm.control.loop.loop import CHANGES, ERRORS, SENSOR, LoopConstants
@@ -43,7 +44,6 @@ from fuzzyarm.plant.plant import (
 )
 from fuzzyarm.plant.setting import CLOCK, PLAIN, ArmError, Conventions, Pair, RunArithmetic
 from fuzzyarm.symbolic.kernels import has_machine_code
-from fuzzyarm.symbolic.sources import is_whole, whole_periods
 
 Vector = NDArray[np.float64]
 

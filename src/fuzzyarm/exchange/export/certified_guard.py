@@ -108,13 +108,13 @@ def start_outside(checked: Checked) -> str:
     """Return in words that a plant starts outside the region of its certificate; else nothing."""
     assert checked.proof is not None
     problem, (loop, proof) = checked.proof.problem, checked.proof.havens[0]
+    if problem.unknown_start:
+        return ""
     rows = [loop.names.index(name) for name in problem.states]
-    inverse = fmpq_mat([[exact(x) for x in row] for row in proof.p]).inv()
-    spread = np.array([[float(inverse[i, j]) for j in rows] for i in rows])
+    spread = np.linalg.inv(np.array(proof.p, float))[np.ix_(rows, rows)]
     start = start_of(problem.plant, np.random.default_rng(0))
     away = np.array(start) - [float(loop.rest[name]) for name in problem.states]
-    # The least V over all memory.
-    if problem.unknown_start or away @ np.linalg.solve(spread, away) <= 1.0:
+    if away @ np.linalg.solve(spread, away) <= 1.0:  # the least V over all memory
         return ""
     words = ", ".join(
         f"{name} = {number_text(x)}" for name, x in zip(problem.states, start, strict=True)

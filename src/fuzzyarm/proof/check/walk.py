@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
+from fuzzyarm.base.numbers import whole_periods
 from fuzzyarm.control.controllers import kernel as code
 from fuzzyarm.control.controllers.program import ControllerCode, SourceError, Wiring, write_down
 from fuzzyarm.control.controllers.text import wiring_of
@@ -21,7 +22,7 @@ from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, require_one_rate
 from fuzzyarm.symbolic.identifiers import Names, identifier
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply
-from fuzzyarm.symbolic.sources import VALUE, whole_periods
+from fuzzyarm.symbolic.sources import VALUE
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import INPUTS, VALUES
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
-from fuzzyarm.base.numbers import decimal, number_text
+from fuzzyarm.base.numbers import decimal, number_text, whole_periods
 from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
@@ -29,7 +29,6 @@ from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
 from fuzzyarm.symbolic.nodes import Node, symbol, symbols
 from fuzzyarm.symbolic.operations import Interval
-from fuzzyarm.symbolic.sources import whole_periods
 
 
 class LoopProofError(FuzzyarmError, ValueError):

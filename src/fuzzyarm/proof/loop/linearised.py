@@ -320,9 +320,8 @@ class _Slopes(LoopAlgebra[_Slope]):
     def rules(self, sheet: RuleBase, inputs: Mapping[str, _Slope]) -> list[_Slope]:
         """Return the outputs of a rule base."""
         ranges = {v.name: (v.low, v.high) for v in sheet.inputs}
-        self._note_held(
-            inputs, {v.name: ranges[v.name] for v in sheet.inputs if v.outside == "clamp"}
-        )
+        clamped = [v.name for v in sheet.inputs if v.outside == "clamp"]
+        self._note_held(inputs, {name: ranges[name] for name in clamped})
 
         def value_of(output: str) -> Callable[[dict[str, float]], float]:
             return lambda at: float(infer(sheet, at)[output])
@@ -349,10 +348,10 @@ class _Slopes(LoopAlgebra[_Slope]):
         for name, (low, high) in ranges.items():
             value = inputs[name].value
             if inputs[name].by.any() and not low < value < high:
-                side = "at the end of" if value in (low, high) else "beyond"
+                is_end = value in (low, high)
+                side, gap = ("at the end of", "on one side") if is_end else ("beyond", "there")
                 where = f"{side} its range {low:.4g} .. {high:.4g}"
-                gain = "no gain on one side" if value in (low, high) else "no gain there"
-                self.at_ends.append(f"'{name}' rests at {value:.4g}, {where}: {gain}")
+                self.at_ends.append(f"'{name}' rests at {value:.4g}, {where}: no gain {gap}")
 
     def _sheet(
         self,

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Generic, TypeVar
 
+from fuzzyarm.base.numbers import whole_periods
 from fuzzyarm.control.controllers.period import Algebra, ControlPeriod, PortValue
 from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ports_of
@@ -19,7 +20,6 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.actuators import dead_time
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, require_one_rate
-from fuzzyarm.symbolic.sources import whole_periods
 
 T = TypeVar("T")
 
