@@ -218,10 +218,22 @@ def test_a_run_stands_at_its_time_with_the_bits_of_simulate_and_goes_on(open_pag
         assert metrics["shaft"][name] == pytest.approx(value, rel=1e-4), name
     page.say(pull=[0.5, 0.0])  # a hand takes it further
     assert page.until("samples")[-1]["paused"] is False
-    page.say(restart=True, pause=False)
+    page.say(restart=True, pause=False, pull=None)
     assert page.until("reached")[-1]["at"] == 0.5
     page.say(pause=False)
     page.hear(lambda news: (news.get("time") or 0) > 0.6)
+    assert page.stop()["end"] == "stopped"
+
+
+def test_a_hand_that_pushes_at_the_end_takes_a_run_further(open_page):
+    page = open_page("servo.frb")
+    page.start("run", **{**FAST, "duration": "", "until": "100ms", "speed": 1.0}, paused=True)
+    page.until("samples")
+    page.say(pull=[0.0, 0.5], pause=False)
+    last = page.hear(lambda news: (news.get("time") or 0) > 0.15 or "reached" in news.values())[-1]
+    assert last.get("paused") is False, last
+    page.say(pull=None)  # the motor comes back while it is watched
+    page.hear(lambda news: (news.get("time") or 0) > 0.3)
     assert page.stop()["end"] == "stopped"
 
 

@@ -283,7 +283,9 @@ class LiveRun:
             # The first call of a kernel may compile it: that tells nothing of the next.
             self.rate_of_loop += 0.5 * (min(count / spent, 1e7) - self.rate_of_loop)
         if self.until is not None and self.run.next >= self.until and not self.run.over:
-            self.paused, self.until, self.reached = True, None, True
+            # A hand that pushes the plant takes it further: it comes back when it is let go.
+            self.paused = self.reached = not any(self.pull)
+            self.until = None
         if late > 0.25 * self.speed / samples:  # it cannot keep up
             if self.speed < FASTEST:
                 self.behind = now
