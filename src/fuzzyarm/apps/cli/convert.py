@@ -115,7 +115,10 @@ def _run(arguments: argparse.Namespace) -> int:
     if Path(arguments.source).suffix.lower() == SCRIPT and len(sources) < 2:
         return _convert_script(arguments)
     if arguments.target is None:
-        COMMANDS[0].parser().error("the file to write, OUT, is missing")
+        missing = "the file to write, OUT, is missing"
+        if arguments.out:
+            missing += f"; -o is for scripts: fuzzyarm convert {sources[0]} {arguments.out}"
+        COMMANDS[0].parser().error(missing)
     target = suffix_of(arguments.target)
     if any(same_file(source, arguments.target) for source in sources):
         print_error(f"{arguments.target}: the file to read and the file to write are the same")
