@@ -200,7 +200,7 @@ class Clock(NamedTuple):
     single: bool
 
 
-class Moment(NamedTuple):
+class Observation(NamedTuple):
     """The observation of a control law in one control step."""
 
     reference: Reference

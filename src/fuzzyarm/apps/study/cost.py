@@ -16,7 +16,13 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.controller import CompiledController, Controller
-from fuzzyarm.control.controllers.law import SIGNALS, TOLD, Law, law_kernel, tell
+from fuzzyarm.control.controllers.law import (
+    OBSERVATION_END,
+    SIGNALS,
+    Law,
+    law_kernel,
+    write_observation,
+)
 from fuzzyarm.control.controllers.on_plant import TextLaw
 from fuzzyarm.control.loop.along import equipped, trajectory_motion
 from fuzzyarm.control.loop.course import Motion, Options
@@ -27,7 +33,7 @@ from fuzzyarm.plant.setting import (
     PLAIN,
     Clock,
     Conventions,
-    Moment,
+    Observation,
     Pair,
     Reference,
     RunArithmetic,
@@ -223,7 +229,7 @@ def _torque_of_law(
     course = Reference(*(_pair(axis_values) for axis_values in reference))
     now = State(*(_pair(axis_values) for axis_values in state))
     pose: Any = _CountedPose(state.position)
-    torque: Sequence[float] = law.kernel(Moment(course, now, pose, clock), *arrays)
+    torque: Sequence[float] = law.kernel(Observation(course, now, pose, clock), *arrays)
     return torque
 
 
@@ -231,16 +237,16 @@ def _torque_of_text(
     law: TextLaw, arrays: tuple[Any, ...], reference: Reference, state: State, clock: Clock
 ) -> Sequence[float]:
     signals = _counted(np.zeros(SIGNALS))
-    tell(Moment(reference, state, pose_of(state.position), clock), signals)
+    write_observation(Observation(reference, state, pose_of(state.position), clock), signals)
     assert law.at_signals is not None
     law.at_signals(signals, *arrays)
     _tally.functions += _functions_of_partners(law)
     # For each joint: does the text drive the voltage, which the motor turns into a torque?
     powered = arrays[0][2:4]
     return [
-        float(signals[TOLD + joint])
+        float(signals[OBSERVATION_END + joint])
         + (
-            motor_torque(float(signals[TOLD + 2 + joint]), state.velocity[joint], ratio)
+            motor_torque(float(signals[OBSERVATION_END + 2 + joint]), state.velocity[joint], ratio)
             if float(powered[joint])
             else 0.0
         )
@@ -256,7 +262,7 @@ def _functions_of_partners(law: TextLaw) -> int:
         block = controller.block(RunArithmetic())
         pose: Any = _CountedPose((0.1, 0.2))
         still = State((0.1, 0.2), (0.0, 0.0))
-        now = Moment(Reference((0.1, 0.2), (0.0, 0.0), (0.0, 0.0)), still, pose, CLOCK_AT_REST)
+        now = Observation(Reference((0.1, 0.2), (0.0, 0.0), (0.0, 0.0)), still, pose, CLOCK_AT_REST)
         before = _tally.functions
         controller.law.kernel(now, list(block.numbers), list(block.memory), block.links)
         functions += _tally.functions - before

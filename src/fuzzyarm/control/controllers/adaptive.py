@@ -17,7 +17,7 @@ from fuzzyarm.control.controllers.law import (
     zeros,
 )
 from fuzzyarm.plant.arm import ESTIMATE, model_torque
-from fuzzyarm.plant.setting import Clock, Moment, Pair, RunArithmetic, stored
+from fuzzyarm.plant.setting import Clock, Observation, Pair, RunArithmetic, stored
 from fuzzyarm.symbolic.kernels import kernel
 
 # --- Adaptive critically damped inverse dynamics (section 5.4) ---
@@ -34,7 +34,7 @@ SLIP = Gain(
 
 @kernel
 def adaptive_critically_damped_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``Ŵ P̂ + K_D (θ̇r − θ̇)`` and adapt ``P̂ ← P̂ − dt Γ Wᵀ (θ̇ − θ̇r)``.
 
@@ -99,7 +99,7 @@ DIRECT_PART = Gain("k", (1.0, 1.0), "1", "direct part of the four gains, times |
 
 @kernel
 def decentralised_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``K_i + K_p e + K_d ė + K_f θ̈d`` with the gains of equation 5.6.10.
 
@@ -113,7 +113,7 @@ def decentralised_torque(
 
 
 @kernel
-def joint_torque(joint: int, now: Moment, numbers: list[float], memory: list[float]) -> float:
+def joint_torque(joint: int, now: Observation, numbers: list[float], memory: list[float]) -> float:
     """Return the torque of one joint; its constants are two apart."""
     # (5.6.10): each of the four gains is C ∫ r s dt + k |r| r s, with s = 1, e, ė and θ̈d, and r
     # a weighted error. The direct part is the same for all four and is computed once.
@@ -181,7 +181,7 @@ INERTIA = Gain(
 
 @kernel
 def model_reference_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return the torque of equations 5.5.11 to 5.5.14 and adapt its gain matrices.
 

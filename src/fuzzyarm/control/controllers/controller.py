@@ -36,7 +36,15 @@ from fuzzyarm.control.controllers.law import (
     unknown_gain,
     view,
 )
-from fuzzyarm.plant.setting import Clock, Moment, Pair, Reference, RunArithmetic, State, pose_of
+from fuzzyarm.plant.setting import (
+    Clock,
+    Observation,
+    Pair,
+    Reference,
+    RunArithmetic,
+    State,
+    pose_of,
+)
 
 
 class Controller:
@@ -177,7 +185,7 @@ class CompiledController(Controller):
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
-        now = Moment(reference, state, pose_of(state.position), clock)
+        now = Observation(reference, state, pose_of(state.position), clock)
         # Called outside a run, which would have prepared it.
         if self._lists is None:
             self.prepare(RunArithmetic())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fuzzyarm.control.controllers.law import Gain, Law, model_gains, pack_gains, zeros
 from fuzzyarm.plant.arm import UNLOADED, model_torque
-from fuzzyarm.plant.setting import Moment, Pair, Reference, State, pose_of, stored
+from fuzzyarm.plant.setting import Observation, Pair, Reference, State, pose_of, stored
 from fuzzyarm.symbolic.kernels import kernel
 
 # --- Proportional plus derivative control (equation 4.1.1) ---
@@ -14,7 +14,9 @@ PD_DERIVATIVE = Gain("K_D", (50.0, 50.0), "N m s/rad", "velocity error")
 
 
 @kernel
-def pd_torque(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+def pd_torque(
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
+) -> Pair:
     """Return ``K_P e + K_D ė``; constants: K_P (2), K_D (2)."""
     # In double precision throughout: a torque is rounded where the loop stores it.
     reference, state, _, _ = now
@@ -40,7 +42,7 @@ COMPUTED_TORQUE_DERIVATIVE = Gain("K_D", (50.0, 50.0), "1/s", "velocity error")
 
 @kernel
 def computed_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``M(θ)(θ̈d + K_D ė + K_P e) + V(θ, θ̇) θ̇ + F θ̇ + G(θ)``.
 
@@ -115,7 +117,7 @@ def sliding_reference(
 
 @kernel
 def critically_damped_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``W(θ, θ̇, θ̇r, θ̈r) P + K_D (θ̇r − θ̇)``; constants: Λ (2), K_D (2), model (9)."""
     # (4.2.3.6). Against FFID the damping acts on Λ e too: as a proportional gain of K_D Λ.
@@ -142,7 +144,7 @@ CRITICALLY_DAMPED_LAW = Law(
 
 @kernel
 def feed_forward_inverse_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``M(θ) θ̈d + V(θ, θ̇) θ̇d + F θ̇d + G(θ) + K_D ė + K_P e``.
 
@@ -174,7 +176,7 @@ STABILISING = Gain(
 
 @kernel
 def pure_feed_forward_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``W(θd, θ̇d, θ̈d) P + K_D ė + K_P e + σ ‖e‖² e``.
 
@@ -211,7 +213,7 @@ WHOLE_RUN = Gain("whole_run", (0.0,), "1", "0: the sum is cleared after each set
 
 @kernel
 def integral_torque(
-    now: Moment, numbers: list[float], memory: list[float], links: list[int]
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``K_I Σe``; constants: K_I (2), whole run; memory: the two sums."""
     # Raw errors, without dt. In the last iteration of a set point the whole sum still counts; it is

@@ -136,13 +136,13 @@ def step(k: Any, s: Any) -> None:
 
 
 @kernel
-def step_on(told: Any, k: Any, s: Any) -> None:
+def step_on(observation: Any, k: Any, s: Any) -> None:
     """Run a controller for one period on an observation."""
     # Added up on the way, unread values included: the guards tell the difference.
     total = 0.0
-    for i in range(told.shape[0]):
-        s[i] = told[i]
-        total += told[i]
+    for i in range(observation.shape[0]):
+        s[i] = observation[i]
+        total += observation[i]
     step_read(k, s, total)
 
 

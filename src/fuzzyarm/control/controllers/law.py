@@ -18,7 +18,7 @@ from fuzzyarm.inference.inputs import number_of
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
     Clock,
-    Moment,
+    Observation,
     Pair,
     Pose,
     Reference,
@@ -185,7 +185,7 @@ class Law:
     name : str
         Short name.
     kernel : callable
-        From a :class:`~fuzzyarm.plant.setting.Moment`, its constants, its memory and its links
+        From a :class:`~fuzzyarm.plant.setting.Observation`, its constants, its memory and its links
         (each flat and indexed from 0) to the torque of both joints, N m.
     summary : str
         One line.
@@ -201,7 +201,7 @@ class Law:
     remembers : bool, optional
         Whether the final memory is a result, or only scratch.
     at_signals : callable, optional
-        A kernel over the array of :func:`tell`, where `kernel` takes an observation.
+        A kernel over the array of :func:`write_observation`, where `kernel` takes an observation.
     """
 
     name: str
@@ -254,7 +254,7 @@ def model_constants(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
 #   13 … 16  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
 #   17 … 20  results: the torque of both joints, and the voltage of both motors
 
-TOLD = 17
+OBSERVATION_END = 17
 """Numbers in the input of a law of the arm."""
 
 SIGNALS = 21
@@ -269,7 +269,7 @@ LAW_HEAD = 7
 
 
 @kernel
-def tell(now: Moment, signals: list[float]) -> None:
+def write_observation(now: Observation, signals: list[float]) -> None:
     """Write an observation as an array."""
     reference, state, pose, clock = now
     signals[0] = clock.step
@@ -285,7 +285,7 @@ def tell(now: Moment, signals: list[float]) -> None:
 
 @kernel
 def drives_of_laws(
-    told: list[float],
+    board: list[float],
     laws: list[int],
     numbers: list[float],
     memory: list[float],
@@ -293,13 +293,13 @@ def drives_of_laws(
 ) -> None:
     """As :func:`summed_drives`, for a loop in plain Python."""
     size = len(drives)
-    summed_drives(told, len(told) - size, size, laws, numbers, memory, drives)
+    summed_drives(board, len(board) - size, size, laws, numbers, memory, drives)
 
 
 @kernel
 def summed_drives(
     board: list[float],
-    told: int,
+    observation_end: int,
     size: int,
     laws: list[int],
     numbers: list[float],
@@ -312,7 +312,7 @@ def summed_drives(
     ----------
     board : float
         The observation, followed by scratch for the drives.
-    told, size : int
+    observation_end, size : int
         Length of the observation, and number of drives.
     laws, numbers, memory
         The laws as packed by :func:`law_integers`, their constants, their states.
@@ -323,17 +323,17 @@ def summed_drives(
         drives[i] = 0.0
     # In the order of the written sum: the order of additions determines the bits.
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
-        for i in range(told, told + size):
+        for i in range(observation_end, observation_end + size):
             board[i] = 0.0
         call(
             laws[law + ADDRESS],
-            board[0 : told + size],
+            board[0 : observation_end + size],
             numbers[laws[law + NUMBERS] : laws[law + NUMBERS_END]],
             memory[laws[law + MEMORY] : laws[law + MEMORY_END]],
             laws[laws[law + LINKS] : laws[law + LINKS_END]],
         )
         for i in range(size):
-            drives[i] += board[told + i]
+            drives[i] += board[observation_end + i]
 
 
 def law_integers(
@@ -355,7 +355,9 @@ def law_integers(
 
 
 @kernel
-def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+def law_kernel(
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
+) -> Pair:
     """Leave the arm alone; the kernel of a law is bound to this name."""
     return 0.0, 0.0
 
@@ -381,7 +383,7 @@ def law_at_address(
     state = State((signals[9], signals[10]), (signals[11], signals[12]))
     pose = Pose(signals[13], signals[14], signals[15], signals[16])
     clock = Clock(signals[0], signals[1] != 0.0, signals[2] != 0.0)
-    torque = law_kernel(Moment(reference, state, pose, clock), numbers, memory, links)
+    torque = law_kernel(Observation(reference, state, pose, clock), numbers, memory, links)
     signals[17], signals[18] = torque
 
 

@@ -20,13 +20,13 @@ from fuzzyarm.control.controllers.law import (
     LINKS_END,
     MEMORY,
     MEMORY_END,
+    OBSERVATION_END,
     SIGNALS,
-    TOLD,
     Gain,
     Gains,
     Law,
     law_address,
-    tell,
+    write_observation,
 )
 from fuzzyarm.control.controllers.program import (
     AXIS,
@@ -46,7 +46,7 @@ from fuzzyarm.plant.setting import (
     CLOCK,
     SINGLE,
     STUDY_TIMING,
-    Moment,
+    Observation,
     Pair,
     RunArithmetic,
     Timing,
@@ -83,16 +83,16 @@ class Site:
     model: InverseDynamics | None = None
 
     @property
-    def told(self) -> int:
+    def observation_end(self) -> int:
         """The length of an observation: clock, references, outputs."""
         interface = self.interface
         return CLOCK + len(interface.references) + len(interface.outputs) + self.extra
 
     def wiring(self, model: ControllerModel) -> Wiring:
         """Assign cells to the ports of a controller."""
-        interface, first_told, size = self.interface, self.told, len(self.interface.inputs)
+        interface, end, size = self.interface, self.observation_end, len(self.interface.inputs)
         first = {"reference": CLOCK, "measured": CLOCK + len(interface.references)}
-        first["drive"] = first_told + size
+        first["drive"] = end + size
         cells: dict[str, dict[Address, int]] = {kind: {} for kind in first}
         for kind, wires in cells.items():
             places = {port: at for at, port in enumerate(self._ports(kind))}
@@ -107,8 +107,8 @@ class Site:
             cells["reference"],
             cells["measured"],
             cells["drive"],
-            tuple(range(first_told, first_told + len(interface.axes))),
-            first_told + 2 * size + (SIGNALS if self.extra else 0),
+            tuple(range(end, end + len(interface.axes))),
+            end + 2 * size + (SIGNALS if self.extra else 0),
             {
                 address: port.start
                 for address, port in drives.items()
@@ -207,17 +207,17 @@ def text_law(
     Constants: length of the observation, and number of drives of the plant. Memory: the cells;
     links: the code.
     """
-    told = int(numbers[0])
+    observation_end = int(numbers[0])
     size = int(numbers[1])
-    step_on(signals[0:told], links, memory)
+    step_on(signals[0:observation_end], links, memory)
     for i in range(size):
-        signals[told + i] = memory[told + size + i]
+        signals[observation_end + i] = memory[observation_end + size + i]
 
 
 @kernel
 def drives_of_text(
     board: list[float],
-    told: int,
+    observation_end: int,
     size: int,
     laws: list[int],
     numbers: list[float],
@@ -226,24 +226,30 @@ def drives_of_text(
 ) -> None:
     """As ``summed_drives``, with one controller as text as the only law."""
     cells = memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]]
-    step_on(board[0:told], laws[laws[1 + LINKS] : laws[1 + LINKS_END]], cells)
+    step_on(board[0:observation_end], laws[laws[1 + LINKS] : laws[1 + LINKS_END]], cells)
     for i in range(size):
-        drives[i] = 0.0 + cells[told + size + i]  # the sum of one: 0 has no sign
+        drives[i] = 0.0 + cells[observation_end + size + i]  # the sum of one: 0 has no sign
 
 
 @kernel
-def text_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+def text_kernel(
+    now: Observation, numbers: list[float], memory: list[float], links: list[int]
+) -> Pair:
     """Return the torque of both joints, motors included, from a moment."""
-    signals = memory[2 * SIGNALS - TOLD : 3 * SIGNALS - TOLD]
-    tell(now, signals)
+    signals = memory[2 * SIGNALS - OBSERVATION_END : 3 * SIGNALS - OBSERVATION_END]
+    write_observation(now, signals)
     text_law(signals, numbers, memory, links)
-    first, second = signals[TOLD], signals[TOLD + 1]
+    first, second = signals[OBSERVATION_END], signals[OBSERVATION_END + 1]
     single = memory[SINGLE] != 0.0
     velocity = now.state.velocity
     if numbers[2] != 0.0:
-        first += stored(motor_torque(signals[TOLD + 2], velocity[0], FIRST_RATIO), single)
+        first += stored(
+            motor_torque(signals[OBSERVATION_END + 2], velocity[0], FIRST_RATIO), single
+        )
     if numbers[3] != 0.0:
-        second += stored(motor_torque(signals[TOLD + 3], velocity[1], SECOND_RATIO), single)
+        second += stored(
+            motor_torque(signals[OBSERVATION_END + 3], velocity[1], SECOND_RATIO), single
+        )
     return first, second
 
 
@@ -326,7 +332,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
     def pack(_gains: Gains, _arithmetic: RunArithmetic) -> list[float]:
         driven = site.driven(model)
         powered = [float((joint, "voltage") in driven) for joint in JOINTS]
-        return [float(site.told), float(len(site.interface.inputs)), *powered]
+        return [float(site.observation_end), float(len(site.interface.inputs)), *powered]
 
     def remember(chosen: Gains, arithmetic: RunArithmetic) -> NDArray[np.float64]:
         # Gains of the text depend on the run's π; given ones are used as they are.

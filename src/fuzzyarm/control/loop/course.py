@@ -433,7 +433,7 @@ class Course:
     @property
     def _true(self) -> int:
         """Cell of the first true output: after the observation and the scratch for drives."""
-        return self.site.told + len(self.site.interface.inputs)
+        return self.site.observation_end + len(self.site.interface.inputs)
 
     @property
     def board_size(self) -> int:

@@ -194,7 +194,7 @@ def run_loop(block: LoopBlock) -> None:
     # With ideal sensors the plant writes its outputs straight into the observation.
     drives, outputs = board[frame.driven :], board[frame.true : frame.driven]
     if len(sensors) == 0:
-        outputs = board[frame.seen : frame.told]
+        outputs = board[frame.seen : frame.observation_end]
     errors = clock[CLOCK_SIZE + CHANGES * frame.drives :]
     size, tracked = links[BLOCK], len(errors) // ERRORS
     random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
@@ -217,8 +217,15 @@ def run_loop(block: LoopBlock) -> None:
             # Sensors, then control, then the plant: a law never sees the state that it causes.
             if len(sensors) > 0:
                 sense(board, frame, sensors, noise, tick)
-                derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
-            control(board, frame.told, frame.drives, laws, numbers, memory, drives)
+                derive(
+                    links,
+                    state,
+                    board[frame.seen : frame.observation_end],
+                    drives,
+                    constants,
+                    clock,
+                )
+            control(board, frame.observation_end, frame.drives, laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits, late, tick)
             note_changes(drives, frame.drives, clock, tick)
             note_errors(board, taps, block.path, tick, errors, tracked)
@@ -278,15 +285,15 @@ class Frame(NamedTuple):
     ----------
     references : int
         Number of references.
-    seen, told, true, driven : int
-        First cells of these parts; the cells before `told` are a law's observation.
+    seen, observation_end, true, driven : int
+        First cells of these parts; the cells before `observation_end` are a law's observation.
     drives : int
         Number of drives.
     """
 
     references: int
     seen: int
-    told: int
+    observation_end: int
     true: int
     driven: int
     drives: int
@@ -297,8 +304,10 @@ def frame_of(count: int, size: int, cells: int) -> Frame:
     """Divide a board of `cells` cells by the numbers of references and drives."""
     outputs = (cells - CLOCK - count - 2 * size) // 2
     seen = CLOCK + count
-    told = seen + outputs
-    return Frame(count, seen, told, told + size, told + size + outputs, size)
+    observation_end = seen + outputs
+    return Frame(
+        count, seen, observation_end, observation_end + size, observation_end + size + outputs, size
+    )
 
 
 @cache
@@ -414,7 +423,7 @@ def derive(
 @kernel
 def control(
     board: list[float],
-    told: int,
+    observation_end: int,
     size: int,
     laws: list[int],
     numbers: list[float],
@@ -422,7 +431,7 @@ def control(
     drives: list[float],
 ) -> None:
     """Sum the drives of all control laws."""
-    summed_drives(board, told, size, laws, numbers, memory, drives)
+    summed_drives(board, observation_end, size, laws, numbers, memory, drives)
 
 
 # --- Chatter ---
@@ -518,10 +527,10 @@ def sense(
     alone.
     """
     columns = 0
-    for i in range(frame.told - frame.seen):
+    for i in range(frame.observation_end - frame.seen):
         if sensors[SENSOR * i + NOISY] >= 0.0:
             columns += 1
-    for i in range(frame.told - frame.seen):
+    for i in range(frame.observation_end - frame.seen):
         at = SENSOR * i
         value = board[frame.true + i]
         source = int(sensors[at + RATE_OF])

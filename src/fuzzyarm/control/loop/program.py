@@ -451,7 +451,7 @@ def _asked_of_text(
         law.text, gains=gains, single=arithmetic.single, compiled=arithmetic.compiled
     )
     cells = law.site.wiring(law.text.model)
-    first = course.site.told + len(course.site.interface.inputs)
+    first = course.site.observation_end + len(course.site.interface.inputs)
     references = list(zip(run.references, cells.references.values(), strict=True))
     measured = list(zip(run.inputs, cells.measured.values(), strict=True))
     columns = {
@@ -542,7 +542,7 @@ def compiled_law(program: LoopProgram, course: Course, record: RunRecord) -> Cal
     parts = program.parts(as_array=True)
     board = np.asarray(record.board)
     size = len(course.site.interface.inputs)
-    signals = board[: course.site.told + size]
+    signals = board[: course.site.observation_end + size]
     drives, memory = board[len(board) - size :], np.asarray(record.memory)
     arrays = (signals, parts["laws"], parts["numbers"], memory, drives)
     precision = _held(course.conventions.single)
