@@ -417,6 +417,53 @@ def test_an_integral_holds_what_the_feed_forward_lacks(tmp_path):
     assert drive.nominal.stable
 
 
+BUCK = """
+from fuzzyarm.plant import Plant, Port
+
+
+class Buck(Plant):
+    axis = "out"
+    inputs = {"duty": Port("1", 0.0, 1.0)}
+    outputs = {"voltage": Port("V", 0.0, 12.0), "current": Port("A", -20.0, 20.0)}
+    states = {"i": "A", "v": "V"}
+
+    def derivative(self, t, x, u, p):
+        return [(12.0 * u[0] - 0.02 * x[0] - x[1]) / 22e-6, (x[0] - 0.5 * x[1]) / 100e-6]
+
+    def measure(self, t, x, u, p):
+        return [x[1], x[0]]
+"""
+OUT = """controller out
+period 10 us
+use pd7 from "pd7.frb"
+axis out
+  e  = error of voltage
+  en = e * 3
+  ce = rate of e * 6e-5, filter 20 us
+  u  = rules pd7(en, ce)
+  du = u * 60
+  d  = integral of du, within 0 .. 1
+  drive duty = d
+"""
+
+
+def test_a_loop_rests_whose_outputs_are_not_states_by_name(tmp_path):
+    """Far from its set point the rules are flat; there they have an edge, so no rounding may do."""
+    (tmp_path / "buck.py").write_text(BUCK)
+    found = []
+    for law in ("u  = rules pd7(en, ce)", "u  = en * 1.5 + ce * 1.5"):
+        path = tmp_path / "out.frb"
+        path.write_text(OUT.replace("u  = rules pd7(en, ce)", law))
+        (drive,) = margins(
+            str(path), str(tmp_path / "buck.py"), set_point={"voltage": 5.0}
+        ).values()
+        found.append(drive.nominal)
+    fuzzy, linear = found
+    assert fuzzy.stable
+    assert fuzzy.gain == pytest.approx(linear.gain, rel=1e-9)
+    assert fuzzy.delay == pytest.approx(linear.delay, rel=1e-9)
+
+
 @pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)
 def test_the_phase_of_the_picture_crosses_where_the_margin_is(plant, kind, late):
     loop = loop_of(plant, kind, late)

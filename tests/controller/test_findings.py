@@ -13,6 +13,7 @@ from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.apps.watch import WatchedFile
 from fuzzyarm.base.diagnostic import Severity
 from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.base.units import near_symbol, product, read_unit, unit_text, unlike
 from fuzzyarm.control.controllers.findings import ports_in_words, shipped_sites
 from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.reach import reaches_of
@@ -20,7 +21,6 @@ from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.exchange.files import PlantOf, check_file, check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS
-from fuzzyarm.language.model.units import near_symbol, product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import interface_of
 

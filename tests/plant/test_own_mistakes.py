@@ -58,6 +58,8 @@ MISTAKES = {
     ("derivative(self, t, x, u, p)", "derivative(self, x, u)"): (13, "TypeError", "t, x, u, p"),
     ("def derivative", "def derivitive"): (13, "no derivative, but 'derivitive'", "rate of each"),
     ("0.2 * u[0] - p[0] * x[1]]", "0.2 * u[0] - q]"): (14, "NameError", ""),
+    ('Port("°C")}', 'Port("V")}'): (5, "(V) is taken from the state 'charge' (°C)", "measure("),
+    ('"temperature": Port', '"element": Port'): (5, "'element' (°C) is taken from", "measure("),
     ('outputs = {"temperature": Port("°C")}', 'outputs = {f"t{i}": Port() for i in range(3)}'): (
         None, "3 outputs and 2 states", "measure(self, t, x, u, p)",
     ),
@@ -79,6 +81,13 @@ def test_a_mistake_is_one_sentence_with_its_line(change, tmp_path, monkeypatch, 
     assert hint in err
     if line is not None:
         assert err.startswith(f"fuzzyarm: mine.py:{line}: plant kiln: "), err
+
+
+@pytest.mark.parametrize("unit", ["°C", "K", "1", "whatever"])
+def test_a_state_may_have_a_unit_that_says_nothing_else(unit, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(KILN.replace('"charge": "°C"', f'"charge": "{unit}"'), encoding="utf-8")
+    assert find_plant(f"{path}:Kiln").states["charge"] == unit
 
 
 def test_the_kiln_itself_runs(tmp_path, monkeypatch, capsys):

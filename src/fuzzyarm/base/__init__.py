@@ -1,10 +1,10 @@
 """Foundations of every room, without fuzzy logic.
 
 Read :mod:`.errors` and :mod:`.diagnostic` first: an error, and a finding with its position in a
-text. :mod:`.names` and :mod:`.numbers` read words, :mod:`.files` replaces files atomically, and
-never one written by a person. :mod:`.picture` is a drawing as data for terminal, figures and
-page. :mod:`.lazy` loads names of a package on first use, :mod:`.extras` says how to install a
-missing library, :mod:`.shipped_files` finds the shipped files.
+text. :mod:`.names`, :mod:`.numbers` and :mod:`.units` read words, :mod:`.files` replaces files
+atomically, and never one written by a person. :mod:`.picture` is a drawing as data for terminal,
+figures and page. :mod:`.lazy` loads names of a package on first use, :mod:`.extras` says how to
+install a missing library, :mod:`.shipped_files` finds the shipped files.
 """
 
 from __future__ import annotations

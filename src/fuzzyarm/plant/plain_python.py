@@ -18,6 +18,7 @@ import numpy as np
 
 from fuzzyarm.base.names import did_you_mean, nearest
 from fuzzyarm.base.numbers import counted, number_text
+from fuzzyarm.base.units import dimension, product, read_unit, unlike
 from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
     PARTS,
@@ -98,6 +99,8 @@ def require_ports(plant: Plant) -> None:
         raise _fault(plant, near or "states", f"it has no derivative{text}", hint=hint)
     _require_no_slip(plant)
     _require_rates(plant)
+    if plant.measure is None and plant.dynamics is None:
+        _require_first_states(plant)
     _require_followable(plant)
     for what in ("longest_step", "duration"):
         number = getattr(plant, what)
@@ -117,6 +120,23 @@ def _require_rates(plant: Plant) -> None:
                 plant, "outputs", f"output '{name}' is the rate of '{port.rate_of}', not an output",
                 hint=did_you_mean(near) if near else f"there are {', '.join(bare)}",
             )  # fmt: skip
+
+
+def _require_first_states(plant: Plant) -> None:
+    """Raise PlantError where an output of a plant without `measure` is the wrong state."""
+    outputs = [(name.rpartition(".")[2], port.unit) for name, port in plant.outputs.items()]
+    for (name, unit), (state, own) in zip(outputs, plant.states.items(), strict=False):
+        if name != state and (name in plant.states or _differ(unit, own)):
+            message = f"output '{name}' ({unit}) is taken from the state '{state}' ({own})"
+            hint = "without a measure(self, t, x, u, p) outputs are the first states, in order"
+            raise _fault(plant, "outputs", message, hint=hint)
+
+
+def _differ(one: str, other: str) -> bool:
+    """Return whether two units are known, and are not the same."""
+    units = read_unit(one), read_unit(other)
+    ratio = product(*units, -1)
+    return all(units) and ratio is not None and bool(dimension(ratio) or unlike(ratio))
 
 
 _MEASURING = {"measurement", "measurements", "observe", "output"}

@@ -10,7 +10,7 @@ import numpy as np
 
 from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.base.picture import COLOURS, Axis, Band, Chart, ChartPart, Level, Line, Panel
-from fuzzyarm.language.model.units import product, read_unit, unit_text
+from fuzzyarm.base.units import product, read_unit, unit_text
 from fuzzyarm.proof.map.sector import form_text
 
 if TYPE_CHECKING:

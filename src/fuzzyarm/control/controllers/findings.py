@@ -11,6 +11,14 @@ from typing import Protocol, TypeVar
 from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span, Word, span_of
 from fuzzyarm.base.names import did_you_mean, near_hint
 from fuzzyarm.base.numbers import percent
+from fuzzyarm.base.units import (
+    dimension,
+    near_symbol,
+    product,
+    read_unit,
+    unit_text,
+    unlike,
+)
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, Site, lacking, site_of, text_law_of
 from fuzzyarm.control.controllers.program import SourceError
@@ -41,14 +49,6 @@ from fuzzyarm.language.model.controller import (
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.language.model.units import (
-    dimension,
-    near_symbol,
-    product,
-    read_unit,
-    unit_text,
-    unlike,
-)
 from fuzzyarm.language.statements import Broken
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 
 from fuzzyarm.base.diagnostic import Span
+from fuzzyarm.base.units import Unit, described_unit, of_difference, product, read_unit
 from fuzzyarm.control.controllers.on_plant import Site
 from fuzzyarm.control.controllers.period import (
     Algebra,
@@ -34,7 +35,6 @@ from fuzzyarm.language.model.controller import (
     Zoom,
 )
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.language.model.units import Unit, described_unit, of_difference, product, read_unit
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
 from fuzzyarm.symbolic.sources import Chosen, Surroundings

@@ -361,7 +361,7 @@ class _Slopes(LoopAlgebra[_Slope]):
         ranges: Mapping[str, tuple[float, float]],
         value_at: Callable[[dict[str, float]], float],
     ) -> _Slope:
-        at = {name: form.value for name, form in inputs.items()}
+        at = {name: _without_rounding(form.value, ranges[name]) for name, form in inputs.items()}
         value, by = float(value_at(at)), np.zeros(1)
         if math.isnan(value):
             raise LoopProofError(f"at rest '{output}' has no value")
@@ -376,6 +376,12 @@ class _Slopes(LoopAlgebra[_Slope]):
             self.found.append(RuleSlope(sheet, output, name, at, slope))
             by = by + slope * inputs[name].by
         return _Slope(value, by)
+
+
+def _without_rounding(x: float, ends: tuple[float, float]) -> float:
+    """Return 0 for what is nothing but the rounding of a rest: there a surface may have an edge."""
+    wide = ends[1] - ends[0]
+    return 0.0 if math.isfinite(wide) and abs(x) <= 1e-12 * wide else x
 
 
 def _exact_slopes(

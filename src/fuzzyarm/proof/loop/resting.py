@@ -6,12 +6,13 @@ What it gives is the middle of an interval in which the checker proves that ther
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.control.controllers.floats import Floats
+from fuzzyarm.control.controllers.text import ports_of
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
@@ -64,39 +65,80 @@ def rest_in_floats(
     def motion(y: Vector) -> Vector:
         return np.array(_motion(problem, period, memory, dict(zip(names, y.tolist(), strict=True))))
 
-    # From the middle of a wide range rules may be flat: then from the set points alone.
-    for middles in (True, False):
-        states = _guess(problem, middles)
+    for states in _guesses(problem):
         y = _root(motion, np.array([*states, *_still(period, memory, states)]), len(states))
         if y is not None:
             return dict(zip(names, y.tolist(), strict=True))
-    raise LoopProofError("no rest of the loop was found")
+    raise LoopProofError(
+        "no rest of the loop was found",
+        hint="--at PORT=X gives set points that it can hold; `check` finds gains that are too big",
+    )
 
 
-def _root(motion: Callable[[Vector], Vector], y: Vector, states: int) -> Vector | None:
+def _root(
+    motion: Callable[[Vector], Vector], y: Vector, states: int, *, squares: bool = False
+) -> Vector | None:
     """Return where nothing moves, by Newton's method from a guess; None where it does not end."""
     scale = np.maximum(np.abs(y), 1.0)
-    last = math.inf
+    last, damping = math.inf, 1.0
     for _ in range(STEPS):
         try:
             f = motion(y)
             slopes = np.array(
                 [(motion(y + h) - motion(y - h)) / (2.0 * h.sum()) for h in np.diag(1e-6 * scale)]
             ).T
-            step = np.linalg.solve(slopes, -f)
+            if squares:
+                step = np.asarray(np.linalg.lstsq(slopes, -f, rcond=None)[0], float)
+            else:
+                step = np.linalg.solve(slopes, -f)
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):
             break
         if not np.isfinite(step).all():
             break
+        is_rounding = bool((np.abs(f) <= 1e-14 * (np.abs(slopes) @ np.abs(y))).all())
         # Not more than half of a way that a root or a limit may end.
         first = np.abs(step[:states]) / np.maximum(np.abs(y[:states]), 0.01)
-        y = y + step * min(1.0, 0.5 / max(float(first.max(initial=0.0)), 0.5))
-        size = float(np.abs(step / np.maximum(np.abs(y), 1e-3)).max())
+        part = min(1.0, 0.5 / max(float(first.max(initial=0.0)), 0.5))
+        size = float(np.abs(step / np.maximum(np.abs(y + step * part), 1e-3)).max())
+        # Next to an edge of a surface, steps from either side go too far.
+        damping *= 0.5 if last <= size and 1e-9 <= size <= 1e-2 else 1.0
+        y = y + step * part * damping
         # Roundings of what is large move what is small: then steps no longer become smaller.
-        if size < 1e-12 or last <= size < 1e-9:
+        if size < 1e-12 or (last <= size and (size < 1e-9 or is_rounding)):
             return y
         last = size
     return None
+
+
+def _guesses(problem: LoopProblem) -> Iterator[list[float]]:
+    """Yield guesses of the states."""
+    yield _guess(problem, True)
+    # From the middle of a wide range rules may be flat: then from the set points alone.
+    states = _guess(problem, False)
+    yield states
+    # And they are flat far from set points that are not states by name.
+    y = _balance(problem, states)
+    if y is not None:
+        yield y[: len(states)].tolist()
+
+
+def _balance(problem: LoopProblem, states: Sequence[float]) -> Vector | None:
+    """Return states and inputs at which the plant rests with its outputs at their set points."""
+    site, equations, model = problem.site, problem.equations, problem.text.model
+    read = {site.find(model, "reference", port) for port in ports_of(model, "reference")}
+
+    def motion(y: Vector) -> Vector:
+        states, inputs = y[: len(problem.states)].tolist(), y[len(problem.states) :].tolist()
+        values, outputs = _outputs_of(problem, dict(zip(problem.states, states, strict=True)))
+        values |= dict(zip(equations.inputs, inputs, strict=True))
+        rates = [evaluate(root, values) for root in equations.rates]
+        return np.array(
+            [*rates, *(outputs[a] - problem.set_point[a] for a in outputs if a in read)]
+        )
+
+    idle = [port.idle for port in site.interface.inputs.values()]
+    # More equations than unknowns, as of a rate that is tracked as well, agree with each other.
+    return _root(motion, np.array([*states, *idle]), len(states), squares=True)
 
 
 def _guess(problem: LoopProblem, middles: bool) -> list[float]:

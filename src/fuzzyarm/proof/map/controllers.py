@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.base.jsonable import json_properties
+from fuzzyarm.base.units import Unit, product, read_unit, unit_text
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.on_plant import Site, site_of
 from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.reach import combine, largest, overlap, symmetric
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import Drive
-from fuzzyarm.language.model.units import Unit, product, read_unit, unit_text
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 from fuzzyarm.proof.map.laws import (
