@@ -5,6 +5,7 @@ import pytest
 from budget import cases
 from scipy.linalg import expm
 
+from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.linear_flow import linear_flow
 from fuzzyarm.proof.loop.zonotope import Forms
 from fuzzyarm.symbolic import op
@@ -51,3 +52,28 @@ def test_a_step_holds_the_exact_solutions_between_its_ends_and_at_them():
 @pytest.mark.parametrize("root", [X0 * X1, op.sin(X0), op.maximum(X0, 0.0), X0 * symbol("p0")])
 def test_what_is_not_linear_is_left_to_the_series(root):
     assert linear_flow([X1, root], ["u0"]) is None
+
+
+def test_a_stiff_step_is_taken_in_halves_and_bounded_near_its_solutions():
+    flow = linear_flow([-50.0 * X0 + 50.0 * U, X0 - X1], ["u0"])
+    start = Forms.between(np.array([[0.6], [0.0]]), np.array([[0.8], [0.1]]))
+    step = flow.step(start, {"u0": Forms.at(np.array([-0.5]))}, 0.0, 1.0, 4)
+    a, b = np.array([[-50.0, 0.0], [1.0, -1.0]]), np.array([50.0, 0.0])
+    ends = whole(a, b, np.zeros(2), 1.0)[:2]
+    for x in ([0.6, 0.0], [0.8, 0.1], [0.7, 0.03]):
+        first, last = np.array(x), ends @ np.array([*x, -0.5, 1.0])
+        for share in np.linspace(0.0, 1.0, 23):
+            exact = whole(a, b, np.zeros(2), share)[:2] @ np.array([*x, -0.5, 1.0])
+            assert (step.between.low[:, 0] <= exact + 1e-12).all()
+            assert (exact <= step.between.high[:, 0] + 1e-12).all()
+            bend = exact - (1.0 - share) * first - share * last
+            assert (step.bend.low[:, 0] <= bend + 1e-12).all()
+            assert (bend <= step.bend.high[:, 0] + 1e-12).all()
+    assert step.between.low[0, 0] > -0.7
+    assert step.between.high[0, 0] < 1.0
+
+
+def test_a_plant_that_is_too_fast_for_its_period_is_refused():
+    flow = linear_flow([-1e4 * X0 + 1e4 * U], ["u0"])
+    with pytest.raises(EnclosureError, match="too fast for a control period"):
+        flow.step(Forms.at(np.ones((1, 1))), {"u0": Forms.at(np.zeros(1))}, 0.0, 1.0, 4)

@@ -168,3 +168,11 @@ def is_whole(time: float, period: float) -> bool:
     """Whether a time is a whole number of control periods, as decimals or as floats."""
     count = whole_periods(time, period)
     return time == count * period or decimal(time) == count * decimal(period)
+
+
+def fraction_of_periods(time: float, period: float) -> str:
+    """Return the predicate of a time that is not a whole number of control periods."""
+    text = f"{time / period:.12g}"
+    # One float beside a whole number, the quotient is rounded to that number.
+    beside = f"{number_text(time)} s, not " if text == str(whole_periods(time, period)) else ""
+    return f"is {beside}{text} control periods"

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Related, Severity, Span, Word, span_of
-from fuzzyarm.base.numbers import is_whole, number_text, whole_periods
+from fuzzyarm.base.numbers import fraction_of_periods, is_whole, number_text, whole_periods
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controller_names import ControllerNames
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
@@ -344,7 +344,7 @@ class _Scope:
             return
         count = whole_periods(time, period)
         if not is_whole(time, period):
-            message = f"the {word} of {source.kind} is {time / period:.12g} control periods"
+            message = f"the {word} of {source.kind} {fraction_of_periods(time, period)}"
             hint = f"whole ones:  {number_text(count * period)} s"
             self.scope.report("bad-number", message, time.figure.span, hint=hint)
         elif count > MOST_PERIODS:

@@ -103,8 +103,14 @@ def traced(plant: Any) -> Equations | None:
     return equations
 
 
-def keep_traced(plant: Any) -> None:
-    """Keep the traced programs for the life of the plant, as a run needs."""
+def keep_traced(plant: Any, source: Any) -> None:
+    """Keep the traced programs for the life of the plant, as a run needs.
+
+    They are those of the plant that it is a copy of, where these were kept.
+    """
+    kept = vars(source).get(TRACED)
+    if kept is not None and kept[0] is None:
+        vars(plant)[TRACED] = kept
     vars(plant)[TRACED] = None, traced(plant)
 
 

@@ -463,9 +463,9 @@ def for_runs(plant: Plant) -> Plant:
     if is_of_package(type(plant)):
         return plant
     other: Plant = apart(plant)
+    keep_traced(other, plant)
     if begins_by_itself(other) or not is_compiled(other):  # otherwise it has no state outside x
         vars(other)[BEGUN] = apart(plant)
-    keep_traced(other)
     return other
 
 

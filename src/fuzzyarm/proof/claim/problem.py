@@ -19,7 +19,7 @@ import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
-from fuzzyarm.base.numbers import decimal, number_text, whole_periods
+from fuzzyarm.base.numbers import decimal, fraction_of_periods, number_text, whole_periods
 from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
@@ -182,9 +182,9 @@ def _demand_whole_delays(delays: Mapping[str, float], period: float) -> None:
         count = whole_periods(delay, period)
         if decimal(delay) != count * decimal(period):
             raise LoopProofError(
-                f"the delay of '{name}' is {delay / period:.16g} control periods, and a loop"
-                " is proved with whole ones",
-                hint=f"{count} of them are {number_text(count * period)} s",
+                f"the delay of '{name}' {fraction_of_periods(delay, period)}, and a loop is proved"
+                " with whole ones",
+                hint=f"{max(count, 1)} of them are {number_text(max(count, 1) * period)} s",
             )
 
 

@@ -20,7 +20,7 @@ from operator import add
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.proof.loop.enclosure import Intervals, matrix_exponential
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, matrix_exponential
 from fuzzyarm.proof.loop.flow import Step
 from fuzzyarm.proof.loop.readings import is_total
 from fuzzyarm.proof.loop.zonotope import ENLARGED, Forms, stacked
@@ -29,6 +29,10 @@ from fuzzyarm.symbolic.evaluation import gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
 
 Vector = NDArray[np.float64]
+
+STIFF, MOST_STIFF = 1.0, 1024.0
+"""Of ρ: beyond the first, e^ρ is a poor bound and a step is taken in halves; beyond the second,
+in more than a thousand of them, it is given up."""
 
 
 def linear_flow(rates: Sequence[Node], inputs: Sequence[str]) -> LinearFlow | None:
@@ -105,8 +109,19 @@ class LinearFlow:
         batch = start.shape[1]
         columns = [*(start[i] for i in range(start.shape[0]))]
         columns += [constants[name] for name in self.inputs] + [Forms.at(np.ones(batch))]
+        stiffness = self._stiffness(length)
+        if stiffness > MOST_STIFF:
+            raise EnclosureError(
+                f"the plant is too fast for a control period, which times |A| is {stiffness:.3g}"
+            )
         move = self._move(length)
         end = stacked([_row(move[i], columns) for i in range(start.shape[0])])
+        if stiffness > STIFF:
+            half = self.step(start, constants, time, 0.5 * length, order)
+            other = self.step(half.end, constants, time + 0.5 * length, 0.5 * length, order)
+            between = half.between.hull(other.between)
+            bend = between - start.bounds.hull(end.bounds)
+            return Step(end, between, bend, np.zeros(start.shape))
         bounds = [form.bounds for form in columns]
         box = self._box(bounds, length)
         rates = self._rates_over(box, bounds)
@@ -122,12 +137,16 @@ class LinearFlow:
         high = np.concatenate([box.high, *(x.high[None] for x in others)])
         return _product(self.rates, Intervals(low, high))
 
+    def _stiffness(self, length: float) -> float:
+        """Return ρ = h ‖A‖, rounded up."""
+        return float(self.rates[:, : len(self.states)].size.sum(axis=1).max()) * ENLARGED * length
+
     def _box(self, bounds: Sequence[Intervals], length: float) -> Intervals:
         """Return a box that no solution leaves during a step."""
         states = bounds[: len(self.states)]
         start = Intervals(np.stack([x.low for x in states]), np.stack([x.high for x in states]))
         rates = self._rates_over(start, bounds)
-        norm = float(self.rates[:, : len(states)].size.sum(axis=1).max()) * ENLARGED * length
+        norm = self._stiffness(length)
         most = length * (math.expm1(norm) / norm if norm else 1.0) * ENLARGED**2
         far = rates.size.max(axis=0) * most
         box = Intervals.between(start.low - far, start.high + far)

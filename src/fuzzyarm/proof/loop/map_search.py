@@ -26,7 +26,8 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.blocks import Workers, packed, workers_watched
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.own import for_runs
+from fuzzyarm.plant.plant import Plant, with_parameters
 from fuzzyarm.proof.check.certificate import Certificate, Pair, fingerprints_of
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError
@@ -381,12 +382,14 @@ class _Map:
         generator = np.random.default_rng(0)
         problem, rest = self.problem, self.region.rest
         values = {name: span.low for name, span in problem.parameters.items()}
+        # Its equations are traced once for all runs.
+        problem = replace(problem, plant=for_runs(with_parameters(problem.plant, values)))
         duration = max(problem.plant.duration or 0.0, 1000 * problem.period)
         lost = []
         for _ in range(self.search.runs):
             start = {n: float(generator.uniform(s.low, s.high)) for n, s in problem.start.items()}
             try:
-                run = run_of(problem, start, values, duration=duration)
+                run = run_of(problem, start, {}, duration=duration)
             except FuzzyarmError:
                 continue
             if run is None:
@@ -430,7 +433,9 @@ def _read_row(row: Sequence[str]) -> MappedBox:
     *ends, verdict, periods, reason = row
     numbers = [float(x) for x in ends]
     are_sides = all(a < b for a, b in zip(numbers[::2], numbers[1::2], strict=True))
-    if verdict not in (PROVED, REFUTED) or not (are_sides and all(map(math.isfinite, numbers))):
+    is_count = periods.isascii() and periods.isdigit() and len(periods) < 10
+    are_sides = are_sides and all(map(math.isfinite, numbers))
+    if verdict not in (PROVED, REFUTED) or not (is_count and are_sides):
         raise ValueError
     return MappedBox(tuple(numbers[::2]), tuple(numbers[1::2]), verdict, int(periods), reason)
 
