@@ -379,3 +379,39 @@ def test_the_solver_of_inequalities_stops_in_time() -> None:
     inside = Inequality(np.eye(2)[None], np.array([[[[1.0, 0.0], [0.0, -1.0]]]]))
     assert minimise([inside], np.ones(1), np.zeros(1), Stop(0.0)) == 0.0
     assert minimise([inside], np.ones(1), np.zeros(1), Stop()) < -0.9
+
+
+ERRORS = """
+class Lag(Plant):
+    inputs = {"u": Port("V", -20.0, 20.0)}
+    outputs = {"y": Port("m", -10.0, 10.0, error_bound=1.0)}
+    states = {"y": "m"}
+    duration = 2.0
+    def derivative(self, t, x, u, p):
+        return [u[0] - 0.2*x[0]]
+"""
+TWO_INPUTS = """
+class Two(Plant):
+    inputs = {"u": Port("V", -4.0, 4.0), "w": Port("V", -3.0, 3.0, start=0.5)}
+    outputs = {"y": Port("m", -20.0, 20.0), "z": Port("m", -20.0, 20.0)}
+    states = {"y": "m", "z": "m"}
+    duration = 1.0
+    def derivative(self, t, x, u, p):
+        return [u[0] - x[0], u[1]]
+"""
+
+
+@pytest.mark.parametrize(("set_point", "lost"), [("0.5", False), ("0", True), ("-0.2", True)])
+def test_an_error_is_beyond_its_bound_where_the_output_is_beyond_both(tmp_path, set_point, lost):
+    # From 1.25 the error is at most 0.75 at a set point of 0.5, 1.25 at 0 and 1.45 at -0.2.
+    plant, start = plant_file(tmp_path, ERRORS), "y in 1.25 .. 1.25"
+    claim = f"at y = {set_point} from {start}: y in -9 .. 9 during 0 .. 0.05 s"
+    found = proved(proportional(tmp_path, 2.0), claim, plant)
+    assert ("beyond the bound" in str(found)) is lost
+
+
+def test_an_actuator_that_nothing_drives_leaves_its_start(tmp_path):
+    plant, text = plant_file(tmp_path, TWO_INPUTS), proportional(tmp_path, 1.0)
+    for low, verdict in ("-0.01", "proved"), ("0.005", "refuted"):
+        claim = f"from y in 0 .. 0.1: z in {low} .. 0.01 during 1 .. 1 s"
+        assert proved(text, claim, plant).verdict == verdict

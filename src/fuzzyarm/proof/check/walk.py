@@ -397,7 +397,7 @@ class ProgramWalk:
         port = self.problem.site.interface.inputs[address]
         value = drives.get(address)
         if value is None:
-            value = numbers.number(port.idle)
+            value = numbers.number(0.0)
         value = numbers.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"driven:{address[0]}.{address[1]}"

@@ -125,6 +125,18 @@ class LoopProblem:
             boxes = ", ".join(f"{name} in LOW .. HIGH" for name in self.begins_alone)
             raise LoopProofError(self.unknown_start, hint=f"say it: from {boxes}")
 
+    def lost_beyond(self, output: Address) -> float:
+        """Return the size of an output beyond which a run has diverged for certain.
+
+        Its bound may be smaller: proofs keep |y| ≤ b − |r| where the error has a bound b, but an
+        error is beyond b for certain only where |y| > b + |r|.
+        """
+        port = self.site.interface.outputs[output]
+        set_point = abs(self.set_point.get(output, 0.0))
+        if port.bound < port.error_bound - set_point:
+            return port.bound
+        return port.error_bound + set_point if output in self.set_point else math.inf
+
     @property
     def period(self) -> float:
         """Of control, s."""

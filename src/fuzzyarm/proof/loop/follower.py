@@ -244,6 +244,7 @@ class Follower:
         self.ports = [*interface.outputs, *interface.inputs]
         self.labels = [interface.label(port) for port in self.ports]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
+        self.lost_beyond = np.array([*map(problem.lost_beyond, interface.outputs)])
         self.demands = [
             (each, self.labels.index(each.port), self._edge(each.begin), self._edge(each.end))
             for each in demands
@@ -381,13 +382,18 @@ class Follower:
                 )  # NaN, too
         return undone
 
+    def is_lost(self, at: Intervals) -> NDArray[np.bool_]:
+        """Whether all runs of a box have diverged by the plant's own criterion, by output."""
+        count, limits = len(self.limits), self.lost_beyond[:, None]
+        return np.asarray((at.low[:count] > limits) | (at.high[:count] < -limits))
+
     def _demand_bounded(self, at: Intervals) -> None:
         """Give up where a run may have diverged by the plant's own criterion."""
         count, limits = len(self.limits), self.limits[:, None]
-        lost = ((at.low[:count] > limits) | (at.high[:count] < -limits)).any(axis=1)
+        lost = self.is_lost(at).any(axis=1)
         if lost.any():
             name = self.labels[int(lost.argmax())]
-            where = f"beyond the bound of '{name}', {self.limits[lost.argmax()]:g}"
+            where = f"beyond the bound of '{name}', {self.lost_beyond[lost.argmax()]:g}"
             raise LostRunError(where)
         over = ~(at.size[:count] <= limits).all(axis=1)
         if over.any():

@@ -202,7 +202,7 @@ class LoopPeriod(Generic[T]):
 
     def _actuated(self, address: Address, port: Port, drives: Mapping[Address, T]) -> T:
         algebra = self.algebra
-        value = drives.get(address, algebra.number(port.idle))
+        value = drives.get(address, algebra.number(0.0))
         value = algebra.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"{address[0]}.{address[1]} driven"

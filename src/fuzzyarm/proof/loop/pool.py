@@ -305,7 +305,7 @@ class Pool:
         low, high = at.low, at.high
         limits = follower.limits[:, None]
         ports = len(limits)
-        out = (low[:ports] > limits) | (high[:ports] < -limits)
+        out = follower.is_lost(at)
         lost = np.asarray(out.any(axis=0))
         over = ~(np.maximum(-low[:ports], high[:ports]) <= limits).all(axis=0)
         swarm.doubtful = np.where((swarm.doubtful == 0) & over, swarm.ages, swarm.doubtful)
