@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +22,8 @@ from fuzzyarm.proof.claim.problem import loop_problem
 from fuzzyarm.proof.loop import LoopProofError, margins
 from fuzzyarm.proof.loop.linearised import linearised
 from fuzzyarm.proof.loop.margins import changed, drive_margins, margins_of, rule_gains
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "controllers"
 
 H = 0.02
 
@@ -445,6 +448,16 @@ axis out
   d  = integral of du, within 0 .. 1
   drive duty = d
 """
+
+
+def test_a_state_that_nothing_reads_is_named(capsys):
+    """A speed loop rests at any angle."""
+    words = [str(EXAMPLES / "incremental-pi.frb"), "--plant", "motor"]
+    assert main(["margins", *words]) == 1
+    assert main(["prove", *words, "--stable"]) == 4
+    out, err = capsys.readouterr()
+    assert "the loop rests at any 'position'" in out
+    assert "the loop rests at any 'position'" in err
 
 
 def test_a_loop_rests_whose_outputs_are_not_states_by_name(tmp_path):

@@ -34,9 +34,10 @@ axis shaft
   l   = lag of w, time 20 ms
   d   = l - m
   q   = d * d
+  c   = q where l >= 0.5 and m < 2 else 0
   zoom e, ce by 2 inside 3
   u   = rules pd7(e, ce) * G_u
-  sum = u + i * K_I + j + q
+  sum = u + i * K_I + j + c
   drive voltage = sum, within -24 .. 24
 """
 
@@ -100,6 +101,10 @@ SLIPS = [
     ("lag of w, time 20 ms", "lowpass of w, time 20 ms"),
     ("q   = d * d", "q   = d^2"),
     ("q   = d * d", "q   = d ** 2"),
+    ("q where l >= 0.5 and m < 2 else 0", "q if l >= 0.5 and m < 2 else 0"),
+    ("q where l >= 0.5 and m < 2 else 0", "l >= 0.5 and m < 2 ? q : 0"),
+    ("q where l >= 0.5 and m < 2 else 0", "l >= 0.5 && m < 2 ? q : 0;"),
+    ("l >= 0.5 and m < 2", "l >= 0.5 && m < 2"),
     # Rule bases
     ("rules pd7(e, ce)", "pd7(e, ce)"),
     ("rules pd7(e, ce)", "evalfis(pd7, [e ce])"),

@@ -103,8 +103,8 @@ CORRECTIONS = tuple(Correction(*row) for row in (
     (_SMALL, "rules rule row header", r"\b(?i:if|then|is|and|or|not|with)\b",
      lambda m: m[0].lower()),
     ("a proposition has 'is'", "rules rule row header", r"\s*(?<![<>=])==?(?![>=])\s*", " is "),
-    ("propositions are joined by 'and'", "rule", r"\s*&&?\s*", " and "),
-    ("propositions are joined by 'or'", "rule", r"\s*\|\|?\s*", " or "),
+    ("propositions are joined by 'and'", "rule signal", r"\s*&&?\s*", " and "),
+    ("propositions are joined by 'or'", "rule signal", r"\s*\|\|?\s*", " or "),
     ("the consequent starts with 'then'", "rule row", r"\s*[-=]>\s*", " then "),
     ("how often it runs is its period", "period -",
      rf"(?i)^\s*(?:period\s*[:=]|(?:dt|Ts|sampl(?:e|ing)[ _]?time)\s*[:=]?)\s*({_N})\s*(\w*)\s*$",
@@ -118,6 +118,11 @@ CORRECTIONS = tuple(Correction(*row) for row in (
     ("one value for each axis, with commas between them", "gain",
      r"\[\s*([^\]]*?)\s*\]", lambda m: _listed(m[1])),
     ("write a comma before the range of tuning", "gain", r"(?<!,)\s+(?=tune\s+[-+.\d])", ", "),
+    ("a choice is written  A where CONDITION else B", "signal",
+     rf"(=\s*)({_NAME}|{_N})\s+if\s+(.+?)\s+else\b", r"\1\2 where \3 else"),
+    ("a choice is written  A where CONDITION else B", "signal",
+     rf"(=\s*)([^=?,][^?,]*?)\s*\?\s*({_NAME}|{_N})\s*:\s*(?={_NAME}|{_N})",
+     r"\1\3 where \2 else "),
     ("limits are called within", "signal drive",
      r"(,?)\s*\b(?:limits?|saturat\w*|clamp\w*)\b(?=\s*[\[(+\d.-])", r"\1 within"),
     ("write a comma before an option", "signal drive",
@@ -172,7 +177,8 @@ EXAMPLES = {
         "term LOW: triangle 0 2 5", "term LOW = triangle 0 2 5"),
     "a term is a shape and its numbers, as in  term x LOW: triangle 0 2 5": (
         "term x LOW: 0 2", "term x LOW: 0 2 5 6 7"),
-    "a controller has neither rules nor 'if': write a rule base, and  u = rules NAME(e, ce)": (
+    "a controller has neither rules nor 'if': write  u = a where e > 3 else b , or a rule base, and"
+    "  u = rules NAME(e, ce)": (
         "  if e > 3 then u = 0", "  if e is A then u is B", "  rule if e is A then u is B"),
     "a line has one source, first, of a signal: write  x = error of position  above, and x here": (
         "  x = rate of error of p", "  x = lag of measured p, time 1 s", "  x = error of p * 2 + e",

@@ -24,7 +24,7 @@ from fuzzyarm.proof.loop.conclusions import Conclusions
 from fuzzyarm.proof.loop.form import Assumptions, Form, row_of
 from fuzzyarm.proof.loop.outward import exact_bounds
 from fuzzyarm.proof.loop.period import LoopPeriod
-from fuzzyarm.proof.loop.resting import rest_in_floats
+from fuzzyarm.proof.loop.resting import rest_in_floats, unread_state
 from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import Symbol
@@ -148,7 +148,10 @@ class FormMaker:
         residuals = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
         solution = _solved(residuals, names)
         if solution is None:
-            raise LoopProofError("the loop does not rest at one point: its equations leave it open")
+            read = {name for residual in residuals for name in residual.parts}
+            raise unread_state([name for name in self.problem.states if name not in read]) or (
+                LoopProofError("the loop does not rest at one point: its equations leave it open")
+            )
         return dict(zip(names, solution, strict=True))
 
     def _rates(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,13 +67,24 @@ def rest_in_floats(
         return np.array(_motion(problem, period, memory, dict(zip(names, y.tolist(), strict=True))))
 
     for states in _guesses(problem):
-        y = _root(motion, np.array([*states, *_still(period, memory, states)]), len(states))
+        guess = np.array([*states, *_still(period, memory, states)])
+        y = _root(motion, guess, len(states))
         if y is not None:
             return dict(zip(names, y.tolist(), strict=True))
-    raise LoopProofError(
+    pushes = np.diag(np.maximum(np.abs(guess), 1.0))[: len(problem.states)]
+    still = [not (motion(guess + push) - motion(guess)).any() for push in pushes]
+    raise unread_state([*compress(problem.states, still)]) or LoopProofError(
         "no rest of the loop was found",
         hint="--at PORT=X gives set points that it can hold; `check` finds gains that are too big",
     )
+
+
+def unread_state(names: Sequence[str]) -> LoopProofError | None:
+    """Return the error of a loop that rests at any value of a state, as a speed loop does."""
+    if not names:
+        return None
+    message = f"the loop rests at any '{names[0]}', since nothing reads it"
+    return LoopProofError(message, hint="a plant of your own without this state has one rest")
 
 
 def _root(
