@@ -336,18 +336,29 @@ class OwnPlant:
     duration: float = 1.0
     input: str = "u"
     dead: float = 0.0  # dead time of the actuator, s
+    begin: float = 0.0  # of the actuator
+    undriven: bool = False  # a second actuator, which nothing drives
+    error_bound: float = math.inf  # of the first output
+
+    @property
+    def idle(self) -> float:
+        """The drive before the first period."""
+        return min(max(self.begin, self.low), self.high)
 
     @property
     def text(self) -> str:
         """The file; an object of its own name in each folder."""
         words = f"{self.low!r}, {self.high!r}, {self.slew!r}".replace("inf", "math.inf")
         delay = f", delay={self.dead!r}" if self.dead else ""
-        ends = [f"Port('V', {words}{delay})"]
+        begin = f", start={self.begin!r}" if self.begin else ""
+        inputs = [f"{self.input!r}: Port('V', {words}{delay}{begin})"]
+        inputs += ["'idle': Port('V', -3.0, 3.0, start=0.5)"] * self.undriven
         outputs = []
         for port in self.outputs:
             words = f"Port('m', {port.low!r}, {port.high!r}"
             words += f", rate_of={port.rate_of!r}" if port.rate_of else ""
-            words += f", bound={self.bound!r})"
+            words += f", bound={self.bound!r}"
+            words += f", error_bound={self.error_bound!r})" if port is self.outputs[0] else ")"
             outputs.append(f"{port.name!r}: {words.replace('inf', 'math.inf')}")
         lines = [
             "import math",
@@ -356,7 +367,7 @@ class OwnPlant:
             "",
             "",
             "class Own(Plant):",
-            f"    inputs = {{{self.input!r}: {ends[0]}}}",
+            f"    inputs = {{{', '.join(inputs)}}}",
             f"    outputs = {{{', '.join(outputs)}}}",
             f"    states = {dict.fromkeys(self.states, 'm')!r}",
             f"    parameters = {dict(self.parameters)!r}",
@@ -488,7 +499,7 @@ class Runner:
     ) -> Course:
         """Run from states (n, runs) with parameters (k, runs), the memory as it begins or given."""
         loop, count = self.loop, states.shape[1]
-        x, u = states.copy(), np.zeros(count)
+        x, u = states.copy(), np.full(count, loop.plant.idle)
         remembered: dict[str, Vector] = dict(memory or {})
         lost = np.zeros(count, dtype=bool)
         times, drives, all_states, memories = [], [], [x.copy()], []
@@ -524,7 +535,7 @@ class Runner:
 
     def measured(self, x: Vector, u: Vector, p: Vector) -> dict[str, Vector]:
         """Outputs of the plant."""
-        space = {**SPACE, "x": x, "u": [u], "p": p}
+        space = {**SPACE, "x": x, "u": [u, 0.0], "p": p}
         return {
             port.name: np.broadcast_to(eval(code, space), x.shape[1:])
             for port, code in zip(self.loop.plant.outputs, self.measures, strict=True)
@@ -533,7 +544,7 @@ class Runner:
     # --- the plant ---
 
     def _rates(self, x: Vector, u: Vector, p: Vector) -> Vector:
-        space = {**SPACE, "x": x, "u": [u], "p": p}
+        space = {**SPACE, "x": x, "u": [u, 0.0], "p": p}
         rows = [np.broadcast_to(eval(code, space), x.shape[1:]) for code in self.rates]
         return np.array(rows)
 
@@ -605,7 +616,7 @@ class Runner:
             total = total + value
         plant = loop.plant
         total = np.clip(total, plant.low, plant.high)
-        idle = np.clip(0.0, plant.low, plant.high)
+        idle = plant.idle
         if plant.slew < math.inf:
             held = before.get("driven", np.full(len(total), idle))
             total = np.clip(total, held - plant.slew * loop.period, held + plant.slew * loop.period)

@@ -128,6 +128,9 @@ def drawn_plant(draw: random.Random) -> OwnPlant:
             ]
         )
         outputs.append(Output("z", of, -wide, wide))
+    undriven = draw.random() < 0.1
+    if undriven:
+        rates[-1] += " + 0.7 * u[1]"
     limit = draw.choice([math.inf, 1.0, 5.0, 50.0])
     low = -limit if draw.random() < 0.8 else draw.choice([0.0, -0.5 * limit])
     return OwnPlant(
@@ -143,6 +146,9 @@ def drawn_plant(draw: random.Random) -> OwnPlant:
         affine,
         fastest,
         draw.choice([0.5, 1.0, 2.0, 10.0]),
+        begin=draw.choice([0.0] * 6 + [0.3]),
+        undriven=undriven,
+        error_bound=draw.choice([math.inf] * 6 + [2.0 * wide]),
     )
 
 
@@ -907,8 +913,11 @@ def demand_refuted(
 
 def bound_left(bench: Bench, course: Course) -> bool:
     """Whether a run is beyond what its plant takes for divergence."""
-    bound = bench.loop.plant.bound
-    return any(bool((np.abs(rows) > bound).any()) for rows in course.outputs.values())
+    plant = bench.loop.plant
+    error = bench.loop.set_point.get("y", 0.0) - course.outputs["y"]
+    return bool((np.abs(error) > plant.error_bound).any()) or any(
+        bool((np.abs(rows) > plant.bound).any()) for rows in course.outputs.values()
+    )
 
 
 def started(bench: Bench, verdict: LoopVerdict) -> tuple[np.ndarray, np.ndarray]:
