@@ -45,7 +45,7 @@ INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAM
 # points and length of a row; where the parts of the block begin, and its end;
 POINTS, WIDTH, FLOATS, ROOM, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
 # address of `run`, and what it and the defuzzifiers are called with: where in the block the
-# inputs stand, where the program is, first point and number of points (in `order`), how many
+# inputs are, where the program is, first point and number of points (in `order`), how many
 # outputs were NaN; where the groups of an output are, where its program goes on, its head.
 RUN, INPUT_ROWS, PROGRAM, FIRST, COUNT, MISSING, GROUPS, NEXT, OUTPUT = range(19, 28)
 HEAD = 28
@@ -157,7 +157,7 @@ class TermNumbers(NamedTuple):
         The term; as it is, without hedges.
     row : int
         Of a curve the row that its degrees are written to; of pieces where in the whole numbers
-        their count stands.
+        their count is.
     floats, room : int
         Where its numbers begin, and for how many there is room.
     scaled : bool

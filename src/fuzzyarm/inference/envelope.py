@@ -1,9 +1,9 @@
 """The upper envelope of straight sets, piece by piece: plain functions over a heap of numbers.
 
 For straight sets without a closed form. The kernel runs them as machine code over its block, the
-engine for one point as they stand over a list: one source, so that the bits are the same.
+engine for one point and over a list alike: one source, so that the bits are the same.
 
-In the heap stand the lines of the cut sets, PIECE numbers each; behind them where they begin or
+The heap holds the lines of the cut sets, PIECE numbers each; behind them where they begin or
 end, sorted; and from a position that the caller names on the envelope, RUN_OF_LINE numbers for each
 of its pieces.
 """
@@ -188,11 +188,11 @@ def reach_end(
 ) -> float:
     """Return an end of the centroid: the right one (sign 1) or the left one (-1).
 
-    The upper set stands from `begin` to `middle`, the lower from there to `behind`.
+    The upper set is from `begin` to `middle`, the lower from there to `behind`.
     """
     if not lower_area > 0.0:
         return last_covered(heap, begin, middle, sign)
-    # On the left of c stands the lower set for the right end, the upper one for the left end.
+    # Left of c it is the lower set for the right end, the upper one for the left end.
     one, one_end, other, other_end = middle, behind, begin, middle
     if sign < 0.0:
         one, one_end, other, other_end = begin, middle, middle, behind

@@ -212,7 +212,7 @@ def _share(
     bottom, top = min(line.y0, line.y1), max(line.y0, line.y1)
     if top <= start + same_level:
         return (zero, zero, zero, zero, zero)
-    if bottom >= end - same_level:  # the whole line stands above this layer
+    if bottom >= end - same_level:  # the whole line is above this layer
         return (width, zero, width * ((line.x0 + line.x1) / 2 - centre), zero, zero)
     above_end, below_end = (line.x0, line.x1) if line.y0 > line.y1 else (line.x1, line.x0)
     anchor, half = above_end - centre, (below_end - above_end) / 2

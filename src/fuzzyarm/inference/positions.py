@@ -330,7 +330,7 @@ def heights_between(
 ) -> None:
     """Write down the heights of the union at shares of the way from a sample to the next.
 
-    `ends`: whether the last of them is the next sample itself. In the heap stand the shares, the
+    `ends`: whether the last of them is the next sample itself. The heap holds the shares, the
     degrees of a set, its cut, and the heights.
     """
     most = k[k[GROUPS]] + 2

@@ -5,7 +5,7 @@ so that the bits are those of one point in plain Python. It goes point by point:
 panels of its own. A panel's eight nodes are a row, over which each set is evaluated by the row
 function of its shape, cut, and folded into the aggregate.
 
-Behind the work rows stand, in the order of memory::
+Behind the work rows, in the order of memory::
 
     nodes, degrees, cut, aggregate     eight each
     strengths                          of the members: only under `max` is there one for each

@@ -1,6 +1,6 @@
 """One output as numbers, for a caller that finds the strengths itself: exported programs.
 
-No inputs, no rules: behind the head and the output stand the groups, of which the caller fills in
+No inputs, no rules: behind the head and the output are the groups, of which the caller fills in
 how strongly each is asserted.
 """
 

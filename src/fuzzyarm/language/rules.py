@@ -146,7 +146,7 @@ class GridNode(NamedTuple):
                     "missing-header",
                     f"the grid for '{output}' has no lines",
                     span,
-                    hint="below it stands a header like  e \\ ce  NB ZE PB  and one line per row",
+                    hint="below it comes a header like  e \\ ce  NB ZE PB  and one line per row",
                 )
             )
         header, *lines = cursor.lines

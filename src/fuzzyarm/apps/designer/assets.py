@@ -62,5 +62,5 @@ def index_page(facts: Mapping[str, Any], nonce: str) -> str:
     start = {**facts, "nonce": nonce, "version": __version__}
     # A browser would learn of each module only when it has read the one that imports it.
     links = [f'<link rel="modulepreload" href="page/{name}">' for name in modules()]
-    preloads = "\n".join(reversed(links))  # the largest ones stand last
+    preloads = "\n".join(reversed(links))  # the largest ones come last
     return page.replace("PRELOADS", preloads).replace("START", script_json(start))

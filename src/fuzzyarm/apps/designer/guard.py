@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 
 class AccessGuard:
-    """Lets in who knows the token and asks by this machine's own names."""
+    """Admits requests with the token that address this machine by its own names."""
 
     def __init__(self, app: ASGIApp, token: str) -> None:
         self.app, self.token = app, token

@@ -131,7 +131,7 @@ class Running:
 
 
 def controller_of(text: str, path: str) -> CompiledController:
-    """Return the controller in a text; of a rule base the one that asks it directly."""
+    """Return the controller in a text; of a rule base the one that evaluates it directly."""
     try:
         return controller_in(text, path)
     except RuleBaseError as error:

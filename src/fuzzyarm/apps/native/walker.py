@@ -14,7 +14,7 @@ _FRAME = """\
 
 enum {{ LANES = 32, ROOM = 4096 }};
 
-/* One operation on all lanes: the choice stands outside the loops, which the vectoriser takes. */
+/* One operation on all lanes: the choice is outside the loops, for the vectoriser. */
 static void operate(int64_t code, const double *a, const double *b, const double *c, double *result,
                     int64_t lanes) {{
   switch (code) {{

@@ -41,7 +41,7 @@ Compile = Callable[[RuleBase, str], LookupTable]
 
 
 def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText:
-    """Return a controller that looks tables up where it asks rule bases.
+    """Return a controller that looks tables up instead of evaluating rule bases.
 
     Parameters
     ----------

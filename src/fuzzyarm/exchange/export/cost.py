@@ -1,6 +1,6 @@
 """The cost of a period of a controller: arithmetic operations, counted from its instructions.
 
-Two programs are counted. The kernel of the closed loop asks only the rules that can fire where
+Two programs are counted. The kernel of the closed loop evaluates only the rules that can fire where
 the inputs are, so its cost depends on them: least and most over all cells of the inputs. The
 exported program has every rule in a row; its count is an upper bound of a call.
 """

@@ -121,7 +121,7 @@ class Listing:
     def _in_variables(self, program: OutputProgram) -> tuple[list[Assign | Loop | Walked], Node]:
         """Return the variables and the result, each of the variables before it.
 
-        A variable that is set more than once stands for its last part only: before that,
+        A variable that is set more than once is the name of its last part only: before that,
         another use of a part is written out.
         """
         last = {name: i for i, variable in enumerate(program.variables) for name in _sets(variable)}

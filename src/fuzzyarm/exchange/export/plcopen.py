@@ -1,6 +1,6 @@
 """A project for a PLC, and the same as PLCopen XML (TC6, version 2.01), which IDEs import.
 
-Formats that import Structured Text want its declarations apart from its statements. They all begin
+Formats that import Structured Text keep its declarations apart from its statements. They all begin
 with a `Project`, the text of a ``.st`` read back with a program that tests it, so that none of them
 has its own printer. In XML declarations become elements; statements stay as they are.
 """

@@ -133,7 +133,7 @@ class DirectRoutine:
 
     @property
     def _heights(self) -> int:
-        """How often the program asks a set for its height at a sample."""
+        """Number of evaluations of a set at a sample, of a call."""
         counts = [sums.count * len(sums.steps) for sums in self.program.sums]
         return max([*counts, *(walk.steps for walk in self.program.walks)], default=1)
 

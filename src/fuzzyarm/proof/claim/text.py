@@ -172,7 +172,7 @@ def require_sense(claim: LoopClaim) -> None:
     ):
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
-            raise ClaimError(f"'{twice}' stands twice after '{part}'")
+            raise ClaimError(f"'{twice}' is twice after '{part}'")
     for name, value in claim.at:
         if not math.isfinite(value):
             raise ClaimError(f"the set point {name} = {value:g} is not a number")

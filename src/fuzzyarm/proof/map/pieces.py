@@ -1,7 +1,7 @@
 """The inputs of a rule base cut into simplices on which every height is affine.
 
 1. Each input is cut at the corners of its terms, at the levels at which the aggregate of the
-   output changes form, and where the caller wants (levels of a table). A cell is one stretch
+   output changes form, and at the caller's cuts (levels of a table). A cell is one stretch
    of each input; within it every membership is a straight line of one input. Positions are
    kept as shares of the cell, 0 to 1, so that no slope is steep.
 2. A cell falls into d! simplices (Kuhn); cells whose memberships run the other way are
@@ -138,7 +138,7 @@ class PieceGrid:
         For each input.
     ends : list of (Array, Array)
         For each proposition: its membership at the left and the right ends of the cells of
-        its input, from within. Those of the second system stand after the others.
+        its input, from within. Those of the second system come after the others.
     inputs : list of int
         The input of each proposition.
     jumps : list of bool

@@ -241,7 +241,7 @@ typedef struct { double *at; int64_t length; } reals;
 typedef struct { int64_t *at; int64_t length; } wholes;
 typedef struct { int32_t *at; int64_t length; } shorts;
 
-/* Where the code of an address stands. In WebAssembly that is a place in a table of functions, odd
+/* The code at an address. In WebAssembly that is an index into a table of functions, odd
    or even: twice the place is the address. */
 static inline intptr_t code_at(int64_t address) {
 #ifdef __wasm__
