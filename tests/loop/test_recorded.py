@@ -155,6 +155,13 @@ def test_what_does_not_go_with_a_log_is_refused(log, capsys, words, said):
     assert said in capsys.readouterr().err
 
 
+def test_a_log_without_columns_names_the_option(log, capsys):
+    assert main(["validate", str(SERVO), str(log)]) in {1, 2}
+    err = capsys.readouterr().err
+    assert "has no column 'e', an input of pd7" in err
+    assert "--columns PORT=COLUMN" in err
+
+
 def test_a_column_that_could_be_two_is_refused(log, capsys):
     def change(rows):
         rows[0][4], rows[0][5] = "voltage [V]", "voltage [mV]"

@@ -263,7 +263,7 @@ def load_used_rules(path: str, option: str) -> RuleBase:
     used = [sheet for sheet in dict.fromkeys(sheets) if isinstance(sheet, RuleBase)]
     if len(used) > 1:
         names = ", ".join(f"'{rulebase.name}'" for rulebase in used)
-        hint = f"it uses {names}: give the file of one"
+        hint = f"it uses {names}: give the file of one, or --columns for a recorded run"
         raise WordError(f"{path} uses {len(used)} rule bases", hint=hint)
     return used[0] if used else _rules_of(model, path, option)
 

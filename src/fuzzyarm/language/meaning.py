@@ -325,7 +325,8 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
             "missing-heading",
             "the file does not say what it contains",
             nodes[0].span if nodes else NOWHERE,
-            hint='start it with  rulebase NAME "what it is for"',
+            hint='start it with  rulebase NAME "what it is for"'
+            + ("" if nodes else " , or with  controller NAME"),
             severity=Severity.WARNING,
         )
     for what, count in (("input", len(rulebase.inputs)), ("output", len(rulebase.outputs))):

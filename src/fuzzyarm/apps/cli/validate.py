@@ -44,7 +44,7 @@ from fuzzyarm.apps.cli.command import (
 )
 from fuzzyarm.base.columns import in_columns
 from fuzzyarm.base.numbers import TIMES, counted, number_text, percent
-from fuzzyarm.exchange.files import load_used_rules
+from fuzzyarm.exchange.files import load, load_used_rules
 
 if TYPE_CHECKING:
     import numpy as np
@@ -216,11 +216,18 @@ def _replay_lines(found: Replay, period: float) -> Iterator[str]:
 
 def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
     """Return the samples with the columns of the rule base."""
+    from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.learning.data import Columns, column_names, read_samples
 
     inputs = tuple(variable.name for variable in rulebase.inputs)
     outputs = [output.name for output in rulebase.outputs]
     names = column_names(arguments.data)
+    missing = next((name for name in inputs if name not in names), "")
+    if missing and isinstance(load(arguments.model), ControllerText):
+        raise WordError(
+            f"{arguments.data} has no column '{missing}', an input of {rulebase.name}",
+            hint="of a recorded run of a controller  --columns PORT=COLUMN  names its columns",
+        )
     target = arguments.target
     if target is not None and target not in names:
         raise WordError(f"{arguments.data} has no column '{target}'")
