@@ -21,7 +21,7 @@ from fuzzyarm.proof.loop.algebra import Zonotopes
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
-from fuzzyarm.proof.loop.map_search import _remaining
+from fuzzyarm.proof.loop.map_search import MapSearch, _remaining, map_starts
 from fuzzyarm.proof.loop.planes import RulePlanes
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.start_map import MappedBox
@@ -451,6 +451,64 @@ def test_runs_of_an_odd_loop_from_opposite_starts_are_opposite(
     )
     for name, course in one.outputs.items():
         assert np.allclose(course, -two.outputs[name], atol=1e-9 * (1 + np.abs(course).max()))
+
+
+def _beam_rules() -> Any:
+    """The rule base of the beam, by its centroid over a fine grid of its output."""
+    y = np.linspace(-6.0, 6.0, 481)
+    peaks = np.arange(-6.0, 7.0, 2.0)
+    shapes = np.maximum(0.0, 1.0 - np.abs(y - peaks[:, None]) / 2.0)
+    words = {word: k for k, word in enumerate(["NB", "NM", "NS", "ZE", "PS", "PM", "PB"])}
+    rows = (
+        "NB NB NB NM NS NS ZE,NB NM NM NM NS ZE PS,NB NM NS NS ZE PS PM,NB NM NS ZE PS PM PB,"
+        "NM NS ZE PS PS PM PB,NS ZE PS PM PM PM PB,ZE PS PS PM PB PB PB"
+    )
+    told = [[words[word] for word in row.split()] for row in rows.split(",")]
+
+    def value(e: np.ndarray, ce: np.ndarray) -> np.ndarray:
+        one, two = (
+            np.maximum(0.0, 1.0 - np.abs(np.clip(x, -6.0, 6.0)[:, None] - peaks) / 2.0)
+            for x in (e, ce)
+        )
+        fired = np.zeros_like(one)
+        for i, row in enumerate(told):
+            for j, word in enumerate(row):
+                fired[:, word] = np.maximum(fired[:, word], np.minimum(one[:, i], two[:, j]))
+        heights = np.minimum(fired[:, :, None], shapes).max(axis=1)
+        return np.asarray((heights * y).sum(axis=1) / heights.sum(axis=1))
+
+    return value
+
+
+@pytest.mark.slow(seconds=20)
+def test_runs_of_the_beam_from_proved_boxes_come_to_rest() -> None:
+    window = "position in -0.08 .. 0.08, velocity in -0.25 .. 0.25, angle in -0.25 .. 0.25"
+    found = map_starts(
+        fuzzyarm.load_controller(fuzzyarm.shipped("ball-and-beam.frb")),
+        read_claim(f"stable from {window}", "ball-and-beam"),
+        MapSearch(budget=12.0, runs=0),
+        plant=find_plant("ball-and-beam"),
+    )
+    boxes = [box for box in found.boxes if box.verdict == "proved"]
+    assert found.share("proved") > 0.05
+    generator, rules = np.random.default_rng(4), _beam_rules()
+    ends = np.array([(box.low, box.high) for box in boxes])
+    picked = ends[generator.integers(len(ends), size=150)]
+    x = picked[:, 0] + generator.integers(0, 2, (150, 3)) * (picked[:, 1] - picked[:, 0])
+
+    def rates(x: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        gained = (x[:, 0] * turn**2 + 9.81 * np.sin(x[:, 2])) / 1.4
+        return np.column_stack([x[:, 1], gained, turn])
+
+    for _ in range(400):
+        wanted = 0.12 * rules(-20.0 * x[:, 0], -8.0 * x[:, 1])
+        turn = np.clip(12.0 * (wanted - x[:, 2]), -2.0, 2.0)
+        a = rates(x, turn)
+        b = rates(x + 0.005 * a, turn)
+        c = rates(x + 0.005 * b, turn)
+        x = x + 0.01 / 6.0 * (a + 2.0 * b + 2.0 * c + rates(x + 0.01 * c, turn))
+        assert (np.abs(x[:, 0]) <= 0.5).all()
+    assert (np.abs(x) <= 5e-3).all()
 
 
 def _cartpole_step(x: np.ndarray, push: np.ndarray) -> np.ndarray:
