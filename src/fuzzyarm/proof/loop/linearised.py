@@ -5,7 +5,7 @@ with gradients, so every source and sensor has its slope without a line here. Th
 rest become those of a sample by the matrix exponential, exactly for held inputs.
 
 A rule base is the sum of its slopes at rest times its inputs. Where its surface has an edge there,
-that is the mean of both sides.
+a slope is the mean of both sides along its input; between the inputs the surface may be another.
 """
 
 from __future__ import annotations
