@@ -290,7 +290,7 @@ def test_a_start_made_of_a_parameter_follows_it():
 )  # fmt: skip
 def test_a_start_made_of_a_copy_of_the_parameters_follows_them(folder, read):
     name, text = (
-        plant_file(start=f"[getattr({read}['b'], 'value', 1.0)]", parameters="{'b': 1.0}"),
+        plant_file(start=f"[float({read}['b'])]", parameters="{'b': 1.0}"),
         law(),
     )
     verdict = prove_loop(

@@ -415,3 +415,44 @@ def test_an_actuator_that_nothing_drives_leaves_its_start(tmp_path):
     for low, verdict in ("-0.01", "proved"), ("0.005", "refuted"):
         claim = f"from y in 0 .. 0.1: z in {low} .. 0.01 during 1 .. 1 s"
         assert proved(text, claim, plant).verdict == verdict
+
+
+OF_START = """
+from fuzzyarm.plant.plant import parameter
+def kept(plant):
+    plant.extra = 30.0 if 1.2 < parameter(plant, "q").value < 1.3 else 0.0
+class Kept(Plant):
+    inputs = {"u": Port("V", -4.0, 4.0)}
+    outputs = {"y": Port("m", -20.0, 20.0)}
+    states = {"y": "m"}
+    parameters = {"q": 1.0}
+    extra = 0.0
+    def start(self, rng):
+        START
+        return [0.1 * parameter(self, "q").value]
+    def derivative(self, t, x, u, p):
+        return [u[0] * p[0] + self.extra]
+"""
+
+
+@pytest.mark.parametrize(
+    ("start", "refused"),
+    [
+        ("pass", False),
+        ("low = max(0.0, 1.0)", False),
+        ("kept(self)", True),
+        ("self.extra = 30.0 if 1.2 < self.parameters['q'] < 1.3 else 0.0", True),
+        ("vars(self)['extra'] = 0.0", True),
+        ("setattr(self, 'extra', 0.0)", True),
+        ("self.__setattr__('extra', 0.0)", True),
+        ("self.keep()", True),
+    ],
+)
+def test_a_start_that_may_keep_a_parameter_has_no_interval_of_it(tmp_path, start, refused):
+    plant = plant_file(tmp_path, OF_START.replace("START", start))
+    claim = "with q in 1 .. 2 from y in 0 .. 0.1: y in -1 .. 1 during 0 .. 0.1 s"
+    if "keep()" in start:
+        plant = plant_file(tmp_path, OF_START.replace("START", start) + "    keep = kept\n")
+    found = proved(proportional(tmp_path, 1.0), claim, plant)
+    assert (found.verdict == "undecided" and "by its name" in found.reason) is refused
+    assert (found.verdict == "proved") is not refused

@@ -361,7 +361,7 @@ class _Derivation:
             room = least(exact(port.bound) - magnitude(line.rest))
             if not room > 0:
                 raise LoopProofError(f"at rest '{label}' is beyond its bound")
-            bounds.append((line.parts, room, f"the bound of '{label}'"))
+            bounds.append((line.parts, room, f"'{label}'"))
         return bounds
 
     def _other_memory(self, after: Mapping[str, LinearSignal]) -> Set[str]:
@@ -429,7 +429,7 @@ class _Derivation:
         for key, name in zip(equations.states, problem.states, strict=True):
             half, rest = exact(self.evidence.box.get(name, 0.0)), self.rest[name]
             if half > 0:
-                lines.bounds.append(({name: ONE}, half, f"the box of '{name}'"))
+                lines.bounds.append(({name: ONE}, half, f"'{name}'"))
             elif self.evidence.box:
                 raise LoopProofError(f"'{name}' has no box")
             ranges[key] = around(rest, half) if half else rest

@@ -8,11 +8,14 @@ the plant.
 
 from __future__ import annotations
 
+import builtins
+import dis
 import math
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -347,18 +350,37 @@ def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
         if span.low == span.high or name not in watched.read:
             continue
         # A start may keep what it reads, for equations to use.
-        if name in by_equations or _differs(plant, name, span):
+        if name in by_equations or not _only_computes(plant):
             raise LoopProofError(
                 f"{plant.name} reads '{name}' by its name, which has one value there",
                 hint="equations get an interval of it only by their argument p",
             )
 
 
-def _differs(plant: Plant, name: str, span: Interval) -> bool:
-    """Whether equations or ports are others at another value of a parameter."""
-    ends = (span.low, 0.5 * span.low + 0.5 * span.high, span.high)
-    first, *others = (_seen(with_parameters(plant, {name: x})) for x in ends)
-    return any(first != other for other in others)
+_HARMLESS = (
+    math, np, parameter, float, int, abs, min, max, sum, range, len, list, tuple, dict, zip,
+)  # fmt: skip
+_ATTRIBUTES = {"parameters", "value", "get", "copy", "items", "keys", "values"} | {
+    name for name in (*dir(math), *dir(np.random.Generator)) if not name.startswith("_")
+}
+
+
+def _only_computes(plant: Plant) -> bool:
+    """Whether a start keeps nothing: it stores no attribute, and calls nothing that may."""
+    start = getattr(plant.start, "__func__", plant.start)
+    for step in dis.get_instructions(start) if isinstance(start, FunctionType) else ():
+        kind, name = step.opname, step.argval
+        if kind.startswith(("STORE", "DELETE")) and not kind.startswith("STORE_FAST"):
+            return False
+        if kind in ("MAKE_FUNCTION", "IMPORT_NAME", "LOAD_CLOSURE", "LOAD_DEREF"):
+            return False
+        if kind in ("LOAD_ATTR", "LOAD_METHOD") and name not in _ATTRIBUTES:
+            return False
+        if kind == "LOAD_GLOBAL":
+            value = start.__globals__.get(name, getattr(builtins, name, None))
+            if not (isinstance(value, int | float) or any(value is x for x in _HARMLESS)):
+                return False
+    return isinstance(start, FunctionType)
 
 
 def _seen(plant: Plant) -> tuple[Any, ...]:
