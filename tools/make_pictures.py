@@ -10,6 +10,7 @@
     python tools/make_pictures.py small      # no picture again: all that there are, in 255 colours
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
+`oxipng --zopfli` takes a tenth off them, without loss, before they are committed.
 `tests/show/test_pictures.py` draws those that take no run of a plant again and compares them.
 """
 
