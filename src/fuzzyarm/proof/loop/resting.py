@@ -71,12 +71,22 @@ def rest_in_floats(
         y = _root(motion, guess, len(states))
         if y is not None:
             return dict(zip(names, y.tolist(), strict=True))
-    pushes = np.diag(np.maximum(np.abs(guess), 1.0))[: len(problem.states)]
-    still = [not (motion(guess + push) - motion(guess)).any() for push in pushes]
-    raise unread_state([*compress(problem.states, still)]) or LoopProofError(
+    raise unread_state(_still_states(problem, motion, guess)) or LoopProofError(
         "no rest of the loop was found",
         hint="--at PORT=X gives set points that it can hold; `check` finds gains that are too big",
     )
+
+
+def _still_states(
+    problem: LoopProblem, motion: Callable[[Vector], Vector], y: Vector
+) -> Sequence[str]:
+    """Return the states on which nothing depends."""
+    pushes = np.diag(np.maximum(np.abs(y), 1.0))[: len(problem.states)]
+    try:
+        still = [bool((motion(y + push) == motion(y)).all()) for push in pushes]
+    except (ArithmeticError, ValueError):  # the guess may be outside of what has a value
+        return []
+    return [*compress(problem.states, still)]
 
 
 def unread_state(names: Sequence[str]) -> LoopProofError | None:
@@ -87,6 +97,7 @@ def unread_state(names: Sequence[str]) -> LoopProofError | None:
     return LoopProofError(message, hint="a plant of your own without this state has one rest")
 
 
+@np.errstate(all="ignore")  # what is not finite ends the search
 def _root(
     motion: Callable[[Vector], Vector], y: Vector, states: int, *, squares: bool = False
 ) -> Vector | None:
@@ -99,6 +110,8 @@ def _root(
             slopes = np.array(
                 [(motion(y + h) - motion(y - h)) / (2.0 * h.sum()) for h in np.diag(1e-6 * scale)]
             ).T
+            if not (np.isfinite(f).all() and np.isfinite(slopes).all()):
+                break
             if squares:
                 step = np.asarray(np.linalg.lstsq(slopes, -f, rcond=None)[0], float)
             else:
