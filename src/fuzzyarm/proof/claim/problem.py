@@ -131,8 +131,8 @@ class LoopProblem:
     def lost_beyond(self, output: Address) -> float:
         """Return the size of an output beyond which a run has diverged for certain.
 
-        Its bound may be smaller: proofs keep |y| ≤ b − |r| where the error has a bound b, but an
-        error is beyond b for certain only where |y| > b + |r|.
+        Its bound may be smaller. Where the error has a bound, proofs keep the output within that
+        less the size of the set point; lost it is for certain only beyond the sum of both.
         """
         port = self.site.interface.outputs[output]
         set_point = abs(self.set_point.get(output, 0.0))
