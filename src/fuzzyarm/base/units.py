@@ -157,3 +157,8 @@ def unlike(unit: Unit) -> tuple[str, str] | None:
         if unit[first] * unit[second] < 0 and any({first, second} <= kind for kind in KINDS):
             return first, second
     return None
+
+
+def differs(ratio: Unit | None) -> bool:
+    """Whether the units of a known ratio are not the same, as m and V, or rad and deg."""
+    return bool(ratio and (unlike(ratio) or dimension(ratio)))

@@ -18,7 +18,7 @@ import numpy as np
 
 from fuzzyarm.base.names import did_you_mean, nearest
 from fuzzyarm.base.numbers import counted, number_text
-from fuzzyarm.base.units import dimension, product, read_unit, unlike
+from fuzzyarm.base.units import differs, product, read_unit
 from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
     PARTS,
@@ -133,10 +133,9 @@ def _require_first_states(plant: Plant) -> None:
 
 
 def _differ(one: str, other: str) -> bool:
-    """Return whether two units are known, and are not the same."""
+    """Whether two units are known, and are not the same."""
     units = read_unit(one), read_unit(other)
-    ratio = product(*units, -1)
-    return all(units) and ratio is not None and bool(dimension(ratio) or unlike(ratio))
+    return all(units) and differs(product(*units, -1))
 
 
 _MEASURING = {"measurement", "measurements", "observe", "output"}

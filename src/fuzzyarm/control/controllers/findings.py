@@ -12,6 +12,7 @@ from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span, Word, 
 from fuzzyarm.base.names import did_you_mean, near_hint
 from fuzzyarm.base.numbers import percent
 from fuzzyarm.base.units import (
+    differs,
     dimension,
     near_symbol,
     product,
@@ -428,7 +429,7 @@ def _unlike_terms(meeting: Meeting) -> Iterator[Diagnostic]:
     """Yield a sum of terms with different units."""
     one, other = meeting.reach, product({}, meeting.brought, -1) or {}
     ratio = product(one, meeting.brought)
-    if ratio and (unlike(ratio) or dimension(ratio)):
+    if differs(ratio):
         words = f"a sum of {unit_text(one)} and {unit_text(other)}".replace(" 1", " a plain number")
         hint = "a gain gives a term the unit of the others"
         yield Diagnostic("unlike-units", words, meeting.span, Severity.WARNING, hint=hint)

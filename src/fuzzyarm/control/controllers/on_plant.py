@@ -235,7 +235,7 @@ def drives_of_text(
 def text_kernel(
     now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
-    """Return the torque of both joints, motors included, from a moment."""
+    """Return the torque of both joints, motors included, from an observation."""
     signals = memory[2 * SIGNALS - OBSERVATION_END : 3 * SIGNALS - OBSERVATION_END]
     write_observation(now, signals)
     text_law(signals, numbers, memory, links)
