@@ -427,6 +427,10 @@ class Kept(Plant):
     states = {"y": "m"}
     parameters = {"q": 1.0}
     extra = 0.0
+    keep = __neg__ = kept
+    value = property(kept)
+    def __getitem__(self, name):
+        return kept(self)
     def start(self, rng):
         START
         return [0.1 * parameter(self, "q").value]
@@ -446,13 +450,15 @@ class Kept(Plant):
         ("setattr(self, 'extra', 0.0)", True),
         ("self.__setattr__('extra', 0.0)", True),
         ("self.keep()", True),
+        ("self.value", True),
+        ("-self", True),
+        ("self['q']", True),
+        ("other = self", True),
     ],
 )
 def test_a_start_that_may_keep_a_parameter_has_no_interval_of_it(tmp_path, start, refused):
     plant = plant_file(tmp_path, OF_START.replace("START", start))
     claim = "with q in 1 .. 2 from y in 0 .. 0.1: y in -1 .. 1 during 0 .. 0.1 s"
-    if "keep()" in start:
-        plant = plant_file(tmp_path, OF_START.replace("START", start) + "    keep = kept\n")
     found = proved(proportional(tmp_path, 1.0), claim, plant)
     assert (found.verdict == "undecided" and "by its name" in found.reason) is refused
     assert (found.verdict == "proved") is not refused

@@ -337,7 +337,7 @@ def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
     """Refuse what nothing reads; and of an interval what is read otherwise than from `p`."""
     at = copy(plant)
     at.parameters = watched = Watched(plant.parameters)
-    *_, roots = _seen(at)
+    *_, roots = _seen(at)  # its ports, too: what they read by name is noted
     by_equations = set(watched.read)
     start_of(at, np.random.default_rng(0))
     if roots is not None:
@@ -365,22 +365,32 @@ _ATTRIBUTES = {"parameters", "value", "get", "copy", "items", "keys", "values"} 
 }
 
 
+_LASTING = ("STORE", "DELETE", "MAKE_FUNCTION", "IMPORT", "LOAD_CLOSURE", "LOAD_DEREF")
+
+
 def _only_computes(plant: Plant) -> bool:
     """Whether a start keeps nothing: it stores no attribute, and calls nothing that may."""
     start = getattr(plant.start, "__func__", plant.start)
-    for step in dis.get_instructions(start) if isinstance(start, FunctionType) else ():
-        kind, name = step.opname, step.argval
-        if kind.startswith(("STORE", "DELETE")) and not kind.startswith("STORE_FAST"):
-            return False
-        if kind in ("MAKE_FUNCTION", "IMPORT_NAME", "LOAD_CLOSURE", "LOAD_DEREF"):
-            return False
-        if kind in ("LOAD_ATTR", "LOAD_METHOD") and name not in _ATTRIBUTES:
-            return False
-        if kind == "LOAD_GLOBAL":
-            value = start.__globals__.get(name, getattr(builtins, name, None))
-            if not (isinstance(value, int | float) or any(value is x for x in _HARMLESS)):
-                return False
-    return isinstance(start, FunctionType)
+    if not isinstance(start, FunctionType):
+        return False
+    steps = [(step.opname, step.argval) for step in dis.get_instructions(start)]
+    return all(_is_harmless(start, *steps[k : k + 3]) for k in range(len(steps)))
+
+
+def _is_harmless(start: FunctionType, step: tuple[str, Any], *later: tuple[str, Any]) -> bool:
+    """Whether an instruction of a start keeps nothing, by the two after it."""
+    kind, name = step
+    if kind == "LOAD_GLOBAL":
+        value = start.__globals__.get(name, getattr(builtins, name, None))
+        return isinstance(value, int | float) or any(value is x for x in _HARMLESS)
+    if kind in ("LOAD_ATTR", "LOAD_METHOD"):
+        return name in _ATTRIBUTES
+    names = name if isinstance(name, tuple) else (name,)
+    if kind.startswith("LOAD_FAST") and start.__code__.co_varnames[0] in names:
+        # Of the plant only `self.parameters` or `parameter(self, "q")`: no operator of its own.
+        (after, read), (last, _) = (*later, ("", None), ("", None))[:2]
+        return read == "parameters" or (after == "LOAD_CONST" and "CALL" in last)
+    return kind.startswith("STORE_FAST") or not kind.startswith(_LASTING)
 
 
 def _seen(plant: Plant) -> tuple[Any, ...]:
