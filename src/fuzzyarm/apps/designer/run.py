@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -185,6 +185,7 @@ class LiveRun:
         self.request = request
         self.text = session.text
         self.gains: dict[str, list[float]] = {}  # moved by hand, and not in the text (yet)
+        self.ranges: dict[Hashable, Range] = {}  # of sliders; a slider keeps its own
         self.speed = _speed(request.speed)
         self.paused = request.paused
         self.pull = (0.0, 0.0)
@@ -415,10 +416,17 @@ class LiveRun:
                 "values": self.gains.get(name, list(gain.value)),
                 "unit": "" if gain.unit == "1" else gain.unit,
                 "written": name in own_names,
-                **_range(gain, tunes.get(name)),
+                **self._range(name, gain, tunes.get(name)),
             }
             for name, gain in self.controller.gains.items()
         ]
+
+    def _range(self, name: str, gain: Gain, tune: Any) -> dict[str, Any]:
+        """Return the range of a gain's slider: as at first, wider where the value leaves it."""
+        key = (name, tune, gain.bounds)
+        low, high, log = self.ranges.setdefault(key, _range(gain, tune))
+        low, high = min(low, *gain.value), max(high, *gain.value)
+        return {"low": low, "high": high, "log": log and low > 0.0}
 
     def _tell_ready(self, name: str) -> None:
         course, motion, interface = self.loop.course, self.motion, self.loop.site.interface
@@ -580,19 +588,17 @@ def _lasting(words: ExperimentRequest, seconds: float) -> ExperimentRequest:
     return words.replaced(duration=f"{seconds!r}s")
 
 
-def _range(gain: Gain, tune: Any) -> dict[str, Any]:
+Range = tuple[float, float, bool]
+"""Of a slider: its ends, and whether its scale is logarithmic."""
+
+
+def _range(gain: Gain, tune: Any) -> Range:
     """Return the slider range of a gain: its tuning range, or one around its value."""
     if tune is not None:
-        low, high, log = tune.low, tune.high, tune.log
-    elif gain.bounds is not None:
-        (low, high), log = gain.bounds, False
-    elif all(value > 0.0 for value in gain.value):
-        low, high, log = 0.1 * min(gain.value), 10.0 * max(gain.value), True
-    else:
-        reach = 2.0 * max(map(abs, gain.value)) or 1.0
-        low, high, log = -reach, reach, False
-    return {
-        "low": min(low, *gain.value),
-        "high": max(high, *gain.value),
-        "log": log and min(low, *gain.value) > 0.0,
-    }
+        return tune.low, tune.high, tune.log
+    if gain.bounds is not None:
+        return (*gain.bounds, False)
+    if all(value > 0.0 for value in gain.value):
+        return 0.1 * min(gain.value), 10.0 * max(gain.value), True
+    reach = 2.0 * max(map(abs, gain.value)) or 1.0
+    return -reach, reach, False
