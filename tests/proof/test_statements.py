@@ -477,3 +477,141 @@ def test_a_statement_on_a_value_that_is_not_there_is_refuted(statement: str, way
     # The slope is asked for where the output has a value; beyond that there is none.
     assert prove(rulebase, "u slope e in 0.9 .. 1.1").verdict == "undecided"
     assert prove(rulebase, "e in -0.4 .. 0.4 -> u slope e in 0.9 .. 1.1").proved
+
+
+# ── edges ────────────────────────────────────────────────────────────────────────────
+
+AT_THE_END = """rulebase r
+input x 0 .. 4
+output u -1 .. 1
+term x A: triangle 0 2 4
+term u P: singleton {value}
+inference defuzzifier weighted-sum, no-rule 0
+rule if x is any A then u is P
+"""
+
+
+@pytest.mark.parametrize(
+    ("value", "line", "verdict"),
+    [
+        (-2, "u < -1", "refuted"),
+        (-2, "u <= -1", "proved"),
+        (-2, "u <= -1.0000000000001", "refuted"),
+        (-2, "u > -1", "refuted"),
+        (-2, "u < -0.999", "proved"),
+        (2, "u > 1", "refuted"),
+        (2, "u >= 1", "proved"),
+        (2, "u >= 1.0000000000001", "refuted"),
+        (2, "u < 1", "refuted"),
+    ],
+)
+def test_a_value_that_is_clamped_is_at_the_end_and_not_beyond(
+    value: int, line: str, verdict: str
+) -> None:
+    assert prove(parsed(AT_THE_END.format(value=value)), line).verdict == verdict
+
+
+EDGE = """rulebase r
+input x 0 .. 4
+output u -1 .. 1
+term x up: {up}
+term x zero: singleton 0
+term u low: singleton -1
+term u high: singleton 1
+inference defuzzifier weighted-average, no-rule -1
+rule if x is up then u is high
+"""
+FIRES_AT_THE_EDGE = "rule if x is zero then u is high\n"
+
+
+@pytest.mark.parametrize("line", ["u covered", "u > 0.5", "u = 1", "x in 0 .. 0 -> u covered"])
+@pytest.mark.parametrize("up", ["trapezoid 0 0.5 inf inf", "ramp 0 0.25"])
+def test_strengths_that_fade_towards_an_edge_at_which_another_rule_fires(
+    up: str, line: str
+) -> None:
+    assert prove(parsed(EDGE.format(up=up) + FIRES_AT_THE_EDGE), line).verdict == "proved"
+    assert prove(parsed(EDGE.format(up=up)), line).verdict == "refuted"
+
+
+def test_where_no_rule_fires_beside_an_edge_a_point_is_named_at_which_none_does() -> None:
+    rulebase = parsed(
+        "rulebase r\ninput x 0 .. 4\ninput y -3 .. 3\noutput u 0 .. 10\n"
+        "term x zero: singleton 0\nterm y A: triangle -3 3 4.5\nterm u P: singleton 8\n"
+        "inference defuzzifier weighted-average, no-rule 0\n"
+        "rule if x is zero and y is not A then u is P\nrule if y is A then u is P\n"
+    )
+    for line in ("u covered", "u > 7"):
+        verdict = prove(rulebase, line)
+        (point,) = verdict.points
+        assert (verdict.verdict, point["y"]) == ("refuted", -3.0)
+        assert fuzzyarm.infer(rulebase, point) == {"u": 0.0}
+
+
+def test_where_products_are_0_at_all_corners_the_middle_is_no_counterexample() -> None:
+    rulebase = parsed(
+        "rulebase r\ninput x 0 .. 1\ninput y 0 .. 1\noutput u 0 .. 1\n"
+        "term x A: ramp 0 1\nterm x B: ramp 1 0\nterm y A: ramp 0 1\nterm u P: singleton 1\n"
+        "inference and product, defuzzifier weighted-average, no-rule 0\n"
+        "rule if x is A and x is B and y is A then u is P\n"
+    )
+    verdict = prove(rulebase, "u covered")
+    (point,) = verdict.points
+    assert verdict.verdict == "refuted"
+    assert fuzzyarm.infer(rulebase, point) == {"u": 0.0}
+    assert prove(rulebase, "x in 0.1 .. 0.9, y in 0.1 .. 1 -> u covered").verdict == "proved"
+
+
+JUMP = """rulebase r
+input x 0 .. 2
+output u -1 .. 1
+term x left: binary 1 -inf
+term x right: binary 1 inf
+term u low: singleton -1
+term u high: singleton 1
+inference defuzzifier weighted-average
+rule if x is {closed} then u is {one}
+rule if x is not {closed} then u is {other}
+lookup
+  levels x: 0 2
+"""
+
+
+def test_a_table_differs_at_a_threshold_that_is_a_jump_of_the_rules() -> None:
+    """The table takes the lower cell there; so rules agree whose left side has the edge."""
+    right = parsed(JUMP.format(closed="right", one="high", other="low"))
+    table = fuzzyarm.compile_table(right)
+    assert abs(table.lookup(1.0, mode="nearest") - fuzzyarm.infer(right, x=1.0)["u"]) == 2.0
+    assert prove(right, "table nearest within 1.9").verdict == "refuted"
+    assert Prover(right, "u").table(table, "nearest").worst >= 2.0
+    left = parsed(JUMP.format(closed="left", one="low", other="high"))
+    assert prove(left, "table nearest within 0.001").verdict == "proved"
+
+
+@pytest.mark.parametrize(
+    ("line", "verdict"),
+    [
+        ("x in 1 .. 2 -> table nearest within 0.999", "refuted"),
+        ("x in 1 .. 1 -> table nearest within 0.999", "refuted"),
+        ("x in 1.1 .. 2 -> table nearest within 0.9", "proved"),
+        ("x in 1.1 .. 2 -> table nearest within 0.8999", "refuted"),
+        ("table nearest within 0.9", "refuted"),
+    ],
+)
+def test_the_error_of_a_table_is_that_in_the_region(line: str, verdict: str) -> None:
+    rulebase = parsed(
+        "rulebase r\ninput x 0 .. 2\noutput u -1 .. 1\nterm x up: ramp 0 2\n"
+        "term u low: singleton -1\nterm u high: singleton 1\n"
+        "inference defuzzifier weighted-average\n"
+        "rule if x is up then u is high\nrule if x is not up then u is low\n"
+        "lookup\n  levels x: 0 2\n"
+    )
+    found = prove(rulebase, line)
+    assert found.verdict == verdict
+    low = float(line.split()[2]) if line.startswith("x in") else 0.0
+    assert all(point["x"] >= low for point in found.points)
+
+
+def parsed(text: str) -> RuleBase:
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    return rulebase

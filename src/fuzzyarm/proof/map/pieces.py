@@ -91,6 +91,8 @@ class Cut(NamedTuple):
     other : Straight, optional
         Another rule base over the same inputs whose heights are needed, too: columns after the
         others.
+    steps : bool
+        Whether what is compared with the rules jumps just above each of `positions`.
     """
 
     box: tuple[tuple[Fraction, Fraction], ...]
@@ -98,6 +100,7 @@ class Cut(NamedTuple):
     mirrored: bool = False
     form: tuple[Fraction, ...] = ()
     other: Straight | None = None
+    steps: bool = False
 
 
 class System(NamedTuple):
@@ -143,6 +146,9 @@ class PieceGrid:
         The input of each proposition.
     jumps : list of bool
         For each input, whether a membership jumps within the box.
+    opened : list of ndarray of bool, shape (cells, 2)
+        For each input, whether its cells are without their left and right ends: a membership has
+        another value there.
     """
 
     def __init__(self, model: Straight, region: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
@@ -159,14 +165,16 @@ class PieceGrid:
             levels += _levels_of(region.other)
         self.cells: list[list[Cell]] = []
         self.jumps: list[bool] = []
+        self.opened: list[Array] = []
         exact: list[tuple[list[Fraction], list[Fraction]]] = [([], []) for _ in lines]
         for i, (low, high) in enumerate(region.box):
             mine = [(n, corners) for n, (owner, corners) in enumerate(lines) if owner == i]
             extra = list(region.positions[i]) if region.positions else []
             cuts = _cuts([corners for _, corners in mine], low, high, extra, levels)
-            cells, jumps = self._cells_of(cuts, mine, exact)
+            cells, opened = self._cells_of(cuts, mine, exact, set(extra) if region.steps else set())
             self.cells.append(cells)
-            self.jumps.append(jumps)
+            self.jumps.append(bool(opened.any()))
+            self.opened.append(opened)
         self.ends = [(arithmetic.array(a), arithmetic.array(b)) for a, b in exact]
 
     def _cells_of(
@@ -174,9 +182,10 @@ class PieceGrid:
         cuts: list[Fraction],
         mine: list[tuple[int, Corners]],
         exact: list[tuple[list[Fraction], list[Fraction]]],
-    ) -> tuple[list[Cell], bool]:
+        steps: set[Fraction],
+    ) -> tuple[list[Cell], Array]:
         cells: list[Cell] = []
-        jumps = False
+        opened: list[list[bool]] = []
         stretches = list(pairwise(cuts))
         lines = []
         for a, b in stretches:
@@ -187,18 +196,22 @@ class PieceGrid:
             at = [height_at(corners, x) for _, corners in mine]
             before = [b for _, b in lines[index - 1]] if index else None
             after = [a for a, _ in lines[index]] if index < len(lines) else None
-            if at not in (before, after):  # a value that neither side has
+            if before is not None:
+                opened[-1][1] = at != before
+            sides = (before,) if x in steps else (before, after)
+            if at not in sides:  # a value that neither side has, or with a table only this point
                 cells.append(Cell(x, x))
+                opened.append([False, False])
                 for (number, _), value in zip(mine, at, strict=True):
                     exact[number][0].append(value)
                     exact[number][1].append(value)
-            jumps |= any(side is not None and side != at for side in (before, after))
             if after is not None:
                 cells.append(Cell(*stretches[index]))
+                opened.append([at != after, False])
                 for (number, _), (a, b) in zip(mine, lines[index], strict=True):
                     exact[number][0].append(a)
                     exact[number][1].append(b)
-        return cells, jumps
+        return cells, np.array(opened)
 
 
 def _mirrored(corners: Corners) -> Corners:
@@ -370,6 +383,14 @@ class Pieces:
             left, right = self.grid.cells[i][self.cell[owner, i]]
             positions.append(left + (right - left) * as_fraction(share))
         return positions
+
+    def holds(self, which: Array, shares: Array) -> Array:
+        """Tell of points, in shares of their cells, whether no membership jumps away there."""
+        held = np.ones(len(which), dtype=bool)
+        for i, opened in enumerate(self.grid.opened):
+            ends = opened[self.cell[which, i]]
+            held &= ~(ends[:, 0] & (shares[:, i] == 0)) & ~(ends[:, 1] & (shares[:, i] == 1))
+        return held
 
     def _simplices(self, cells: Array, orders: Array) -> Array:
         count, dimension = cells.shape

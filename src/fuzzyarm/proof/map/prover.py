@@ -63,7 +63,7 @@ class QuotientProblem:
     """A quotient over a box, and the cuts of the inputs that it needs.
 
     `steep`: for slopes, which floats cannot give where they cannot tell which of two heights
-    is higher.
+    is higher. `steps`: as of :class:`Cut`.
     """
 
     box: Box
@@ -73,6 +73,7 @@ class QuotientProblem:
     steep: bool = False
     form: tuple[Fraction, ...] = ()
     other: Straight | None = None
+    steps: bool = False
 
 
 class Prover:
@@ -260,7 +261,7 @@ class Prover:
             if self.no_rule is None:  # boxes bound the value for no rule, too
                 self._demand_value_everywhere("the error of a table", region)
             return self._boxes(box).table(table, mode, self.gap)
-        self._demand_value_everywhere("the error of a table")
+        self._demand_value_everywhere("the error of a table", region)
         self.demand_inside_range("the error of a table", box)
         return self.bounds_of(self._table_question(table, mode, box))
 
@@ -269,9 +270,15 @@ class Prover:
         if self.model is None:
             self._boxes(self.box({}))
 
-    def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
-        """Tell whether a table differs nowhere by more than `bound`."""
-        question = self._table_question(self._fitting(table), mode, self.box({}))
+    def table_at_most(
+        self,
+        region: Mapping[str, tuple[float, float]],
+        table: LookupTable,
+        mode: str,
+        bound: float,
+    ) -> Claim:
+        """Tell whether a table differs nowhere in a region by more than `bound`."""
+        question = self._table_question(self._fitting(table), mode, self.box(region))
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
@@ -632,12 +639,13 @@ class Prover:
         positions = tuple(tuple(position) for position in question.positions)
         # The other rule base is held by the question only: its pieces are not remembered.
         remembers = cells is None and question.other is None
-        key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
+        steps = question.steps
+        key = (question.box, positions, question.mirrored, question.form, steps, arithmetic.exact)
         if remembers and key in self._surfaces:
             surface = self._surfaces[key]
             surface.pieces.stop = self.stop
             return surface
-        what = Cut(question.box, positions, question.mirrored, question.form, question.other)
+        what = Cut(question.box, positions, question.mirrored, question.form, question.other, steps)
         try:
             pieces = cut(self.model, what, arithmetic, cells, self.stop)
             new_surface = Surface(self.model, pieces)
@@ -653,7 +661,8 @@ class Prover:
         def make(surface: Surface) -> Quotients:
             return surface.difference(TableValues(table, mode, surface.pieces, names))
 
-        return QuotientProblem(box, make, TableValues.positions(table, mode, names))
+        positions = TableValues.positions(table, mode, names)
+        return QuotientProblem(box, make, positions, steps=mode != "linear")
 
     def _boxes(self, box: Box) -> Boxes:
         from fuzzyarm.proof.map.boxes import Boxes

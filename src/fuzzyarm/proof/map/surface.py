@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -243,35 +243,62 @@ class Surface:
 
         `valued`: at which there is no value, for what fires has no area in the range either.
         """
-        heights = self._fired(valued=valued)
-        rows, columns = np.nonzero(heights == 0)
-        if not rows.size:
+        zero = self._fired(valued=valued) == 0
+        rows = np.flatnonzero(zero.any(axis=1))
+        vertices = np.arange(self.dimension + 1)
+        # The middle of a piece, rather than its edge. Where a piece has silent points, the middle
+        # of one of its faces is silent and no end of it that belongs to its neighbour.
+        for count in range(len(vertices), 0, -1) if rows.size else ():
+            for face in combinations(vertices, count):
+                found = self._silent_middle(rows, zero, np.isin(vertices, face), valued=valued)
+                if found is not None:
+                    return found
+        return None
+
+    def _silent_middle(
+        self, rows: Array, zero: Array, face: Array, *, valued: bool
+    ) -> tuple[int, Array] | None:
+        """Return the largest piece with the silent middle of a face, and that middle."""
+        products = self.model.multiplies
+        fits = zero[rows][:, face].all(axis=1) if products else (zero[rows] == face).all(axis=1)
+        some, count = rows[fits], int(face.sum())
+        if not some.size:
             return None
-        owner = int(rows[0])
-        whole = np.flatnonzero((heights == 0).all(axis=1))
-        if whole.size:  # the middle of a piece, rather than its edge
-            shapes = self.pieces.corners[whole].astype(float)
-            owner = int(whole[np.ptp(shapes, axis=1).prod(axis=1).argmax()])
-            return owner, self.pieces.corners[owner].sum(axis=0) / (self.dimension + 1)
-        return owner, self.pieces.corners[owner, columns[0]]
+        shares = self.pieces.corners[some][:, face].sum(axis=1) / count
+        silent = self.pieces.holds(some, shares)
+        if products:  # they are not affine: 0 at all vertices, and not between them
+            middle = self.arithmetic.array([[Fraction(int(on), count) for on in face]])
+            silent &= self._products_at(some, middle, valued=valued)[:, 0] == 0
+        some, shares = some[silent], shares[silent]
+        if not some.size:
+            return None
+        shapes = self.pieces.corners[some].astype(float)
+        largest = int(np.ptp(shapes, axis=1).prod(axis=1).argmax())
+        return int(some[largest]), shares[largest]
 
     def nearly_silent(self, *, valued: bool) -> Array:
         """Return the pieces of which floats cannot decide whether a rule fires everywhere."""
         return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 
     def _fired(self, *, valued: bool) -> Array:
-        counts = self.model.counts if valued else (True,) * self.model.columns
         if not self.model.multiplies:
+            counts = self._counts(valued=valued)
             own = [system.first for system in self.pieces.systems if system.model is self.model]
             some = np.concatenate([first + np.flatnonzero(counts) for first in own])
             return np.asarray(self.pieces.heights[:, :, some].sum(axis=2))
         points = barycentric(self.dimension, 1, exact=self.arithmetic.exact)
-        which = np.arange(self.pieces.count)
-        total = self.arithmetic.zeros(self.pieces.count, self.dimension + 1)
+        return self._products_at(np.arange(self.pieces.count), points, valued=valued)
+
+    def _products_at(self, which: Array, points: Array, *, valued: bool) -> Array:
+        counts = self._counts(valued=valued)
+        total = self.arithmetic.zeros(len(which), len(points))
         for column, rows, strength, _ in self._products(which, points):
             if counts[column]:
                 total[rows] += strength
         return total
+
+    def _counts(self, *, valued: bool) -> Sequence[bool]:
+        return self.model.counts if valued else (True,) * self.model.columns
 
     # ── polynomials from values at the lattice ───────────────────────────────────────
 

@@ -390,6 +390,10 @@ class _Case:
             confirmed = self._confirmed(at, beyond)
             if confirmed is not None:
                 return confirmed, bounds
+        if prover.output.outside == "clamp":  # no value is on the other side of its range
+            nearest = prover.output.low if sign > 0 else prover.output.high
+            if math.isfinite(nearest) and beyond(Fraction(nearest)):
+                return self._shown(at, beyond) if at else UNDECIDED, bounds
         return self._decided(bounds, sign, limit, beyond)
 
     def _decided(
@@ -491,7 +495,7 @@ class _Case:
         return fails(Fraction(value - slack)) and fails(Fraction(value + slack))
 
     def _shown(
-        self, at: Mapping[str, Fraction], fails: Callable[[Fraction], bool]
+        self, at: Mapping[str, float | Fraction], fails: Callable[[Fraction], bool]
     ) -> tuple[str, ...]:
         """Return a point of failure as evidence, or a sentence if inference hides it."""
         near = {name: float(x) for name, x in at.items()}
@@ -675,7 +679,7 @@ class _Case:
         prover.demand_bounds()
         self._demand_time_for_table()
         table = compile_table(self.rulebase, claim.output)
-        bounds = prover.table(table, claim.mode)
+        bounds = prover.table(table, claim.mode, self.region)
         worst = max(bounds.high, -bounds.low)
         facts: dict[str, Any] = {"bound": worst, "pieces": bounds.pieces, "way": bounds.way}
         if worst <= claim.high:
@@ -700,7 +704,7 @@ class _Case:
                 reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
                 return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
         if prover.model is not None:
-            bound = prover.table_at_most(table, claim.mode, claim.high)
+            bound = prover.table_at_most(self.region, table, claim.mode, claim.high)
             if bound.holds:
                 return self._said(PROVED, **{**facts, "bound": claim.high})
         return self._said(UNDECIDED, **facts)
