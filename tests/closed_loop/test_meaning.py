@@ -25,8 +25,7 @@ from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.check.checking import region_lines
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError, loop_problem
-from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, require_sense
-from fuzzyarm.proof.claim.time import claimed_periods
+from fuzzyarm.proof.claim.text import claimed_periods, claimed_plant, loop_sentence, require_sense
 from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,

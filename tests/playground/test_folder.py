@@ -13,12 +13,9 @@ import pytest
 from fuzzyarm.apps.cli import playground as command
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.apps.playground import folder as written
-from fuzzyarm.apps.playground import memory, package
-from fuzzyarm.apps.playground import pyodide as fetching
-from fuzzyarm.apps.playground.folder import BEGIN_WITH, write_playground
+from fuzzyarm.apps.playground import memory
+from fuzzyarm.apps.playground.folder import BEGIN_WITH, FILES, archive, write_playground
 from fuzzyarm.apps.playground.memory import python_memory
-from fuzzyarm.apps.playground.package import archive
-from fuzzyarm.apps.playground.pyodide import FILES
 
 
 @pytest.fixture
@@ -159,7 +156,7 @@ def test_an_old_pyodide_is_said(tmp_path, pyodide, capsys):
 
 
 def test_without_npm_a_copy_is_asked_for(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(fetching, "installed_program", lambda name: None)
+    monkeypatch.setattr(written, "installed_program", lambda name: None)
     assert main(["playground", "-o", str(tmp_path / "s")]) == 1
     assert capsys.readouterr().err == (
         "fuzzyarm: Pyodide is fetched by npm, which is not installed (--install brings it,"
@@ -195,7 +192,7 @@ def test_without_node_a_page_starts_its_own_python(node, tmp_path, pyodide, caps
 
 
 def test_a_page_that_could_not_load_fuzzyarm_is_not_written(tmp_path, pyodide, capsys, monkeypatch):
-    monkeypatch.setattr(package, "APART", package.APART | {"apps/designer/jobs.py"})
+    monkeypatch.setattr(written, "APART", written.APART | {"apps/designer/jobs.py"})
     assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
     words = "the page could not load fuzzyarm: ModuleNotFoundError: No module named"
     assert f"{words} 'fuzzyarm.apps.designer.jobs'" in capsys.readouterr().err

@@ -14,12 +14,12 @@ import wheels
 from budget import cases
 from needs import requires
 
-from fuzzyarm.apps.native.abroad import (
+from fuzzyarm.apps.native.build import (
     declared_names,
     definition_of_python3,
     headers_for_any_platform,
+    zig,
 )
-from fuzzyarm.apps.native.build import zig
 
 ROOT = Path(__file__).parents[2]
 

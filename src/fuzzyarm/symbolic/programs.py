@@ -1,7 +1,7 @@
 """Expressions as short programs of operations: data for an interpreter in machine code.
 
 A user's shape, norm or plant is unknown when fuzzyarm is built. As a program it is an array of
-floats, and its interpreter is part of the machine code (:mod:`fuzzyarm.apps.native.walker`), so
+floats, and its interpreter is part of the machine code (:mod:`fuzzyarm.apps.native.printing`), so
 nothing is compiled at run time. In the order of memory:
 
 ============  ==============================================================================

@@ -1,13 +1,26 @@
-"""The folder of a playground: its contents, and how it is written."""
+"""The folder of a playground: its contents, and how it is written.
+
+Its parts: fuzzyarm as an archive for the Python of the page (modules and rule bases, no machine
+code), and Pyodide's files, from a folder or from the package registry of npm by its client.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import html
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import tarfile
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from fuzzyarm.apps.designer.assets import PAGE
@@ -15,15 +28,175 @@ from fuzzyarm.apps.designer.engine import engine_source
 from fuzzyarm.apps.designer.folder import IMPORTS, LARGEST_IMPORT, SUFFIXES
 from fuzzyarm.apps.designer.names import with_suffix
 from fuzzyarm.apps.playground.memory import NoMemoryError, packed
-from fuzzyarm.apps.playground.package import archive, why_it_does_not_load
-from fuzzyarm.apps.playground.pyodide import FILES, pyodide_folder
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.extras import installed_program
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.jsonable import script_json
 from fuzzyarm.base.protected import is_made_file, sources_kept
-from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped, shipped_folder
 from fuzzyarm.language import read_text
 from fuzzyarm.version import __version__
+
+VERSION = "314.0.7"
+"""The archive that is fetched where no folder is named."""
+
+OLDEST = (314, 0)
+"""Its Python lends the memory of arrays that are written in Python, and can be stopped half-way."""
+
+FILES = (
+    "pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json",
+)  # fmt: skip
+"""The files of it in a playground."""
+
+PATIENCE = 600.0
+"""Seconds that npm may take."""
+
+
+class PyodideError(FuzzyarmError, OSError):
+    """Pyodide is not available, or its version does not suit the playground."""
+
+
+@contextmanager
+def pyodide_folder(named: Path | None) -> Iterator[Path]:
+    """Give a folder with Pyodide's files for as long as it is needed."""
+    if named is not None:
+        _demand_files(named)
+        yield named
+        return
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
+        yield _fetched(Path(room))
+
+
+def _demand_files(folder: Path) -> None:
+    inner = folder / "node_modules" / "pyodide"
+    hint = (
+        f"for instance {inner}"
+        if inner.is_dir()
+        else "npm install pyodide  makes node_modules/pyodide"
+    )
+    missing = [name for name in FILES if not (folder / name).is_file()]
+    if missing:
+        raise PyodideError(f"{folder} does not have {missing[0]} of Pyodide", hint=hint)
+    version = _version_of(folder)
+    if version < OLDEST:
+        raise PyodideError(
+            f"{folder} has Pyodide {'.'.join(map(str, version))}; at least"
+            f" {'.'.join(map(str, OLDEST))} is needed",
+            hint=f"npm install pyodide@{VERSION}",
+        )
+
+
+def _version_of(folder: Path) -> tuple[int, ...]:
+    """Return the version of a Pyodide, from its package or its list of packages."""
+    try:
+        package = folder / "package.json"
+        if package.is_file():
+            text = str(json.loads(package.read_text(encoding="utf-8"))["version"])
+        else:
+            lock = json.loads((folder / "pyodide-lock.json").read_text(encoding="utf-8"))
+            major, minor = str(lock["info"]["python"]).split(".")[:2]
+            text = f"{major}{minor}.0"
+    except (OSError, ValueError, KeyError, IndexError, TypeError):
+        raise PyodideError(f"{folder} does not say which Pyodide it is") from None
+    return tuple(map(int, re.findall(r"\d+", text)[:2]))
+
+
+def _fetched(room: Path) -> Path:
+    """Fetch the package by npm, and verify it by the registry's digest."""
+    npm = installed_program("npm")
+    if npm is None:
+        raise PyodideError(
+            "Pyodide is fetched by npm, which is not installed",
+            hint="--install brings it, --pyodide FOLDER uses an existing copy",
+        )
+    # npm looks for node on the PATH; that of pip is beside it.
+    path = f"{Path(npm).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    words = [npm, "pack", f"pyodide@{VERSION}", "--silent", "--pack-destination", str(room)]
+    try:
+        process = subprocess.run(
+            words, cwd=room, capture_output=True, text=True, check=False, timeout=PATIENCE,
+            env={**os.environ, "PATH": path},
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise PyodideError(f"npm could not fetch Pyodide: {error}") from None
+    archives = sorted(room.glob("*.tgz"))
+    if process.returncode or not archives:
+        messages = (process.stderr or process.stdout).strip().splitlines()
+        raise PyodideError(
+            f"npm could not fetch Pyodide {VERSION}{': ' + messages[-1] if messages else ''}",
+            hint="--pyodide FOLDER uses an existing copy",
+        )
+    with tarfile.open(archives[0]) as archive:
+        for name in (*FILES, "package.json"):
+            member = archive.extractfile(f"package/{name}")
+            assert member is not None
+            (room / name).write_bytes(member.read())
+    return room
+
+
+PACKAGE = Path(__file__).resolve().parents[2]
+
+APART = frozenset(
+    {
+        "apps/cli",
+        "apps/native",
+        "apps/watch",
+        "apps/notebook.py",
+        "apps/estimators.py",
+        "exchange/live",
+        "apps/study",
+        "apps/designer/page",
+    }
+)
+"""Left out of a page: commands, compilers, other libraries, and the page's own files."""
+
+LOADING = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from fuzzyarm.apps.playground.arrays.module import install
+install()
+from fuzzyarm.apps.playground import host
+host.warm()
+"""
+"""The start of a page, in a Python with the standard library and the archive alone."""
+
+WHEN = (1980, 1, 1, 0, 0, 0)
+"""Of all files: the same sources make the same archive."""
+
+
+def _members() -> Iterator[tuple[str, bytes]]:
+    for path in sorted(PACKAGE.rglob("*")):
+        inside = path.relative_to(PACKAGE).as_posix()
+        parts = inside.split("/")
+        homes = {"/".join(parts[:k]) for k in range(1, len(parts) + 1)}
+        if homes & APART:
+            continue
+        if path.suffix in {".py", ".js", ".typed"} and "__pycache__" not in parts:
+            yield f"fuzzyarm/{inside}", path.read_bytes()
+    for path in sorted(shipped_folder().iterdir()):
+        if path.suffix in {".frb", ".lut"}:
+            yield f"fuzzyarm/shipped/{path.name}", path.read_bytes()
+
+
+def archive() -> bytes:
+    """Return the archive, as of a wheel of fuzzyarm without machine code."""
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, content in _members():
+            file.writestr(zipfile.ZipInfo(name, WHEN), content, zipfile.ZIP_DEFLATED)
+    return whole.getvalue()
+
+
+@lru_cache(maxsize=1)
+def why_it_does_not_load(content: bytes) -> str:
+    """Return why a page could not load an archive: the error of a Python that has nothing else."""
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
+        path = Path(folder) / "fuzzyarm.zip"
+        path.write_bytes(content)
+        words = [sys.executable, "-I", "-S", "-c", LOADING, str(path)]
+        process = subprocess.run(words, capture_output=True, text=True, check=False)
+    return process.stderr.strip().splitlines()[-1] if process.returncode else ""
+
 
 BUNDLE = PAGE / "built/playground.js"
 """The modules of the page, which `make designer` puts together."""

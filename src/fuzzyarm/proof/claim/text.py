@@ -6,10 +6,11 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError
 from fuzzyarm.base.names import near_hint
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.document import parse_document
@@ -21,7 +22,35 @@ from fuzzyarm.plant.own import trusted_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.claim.identity import controller_changes, plant_changes
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
-from fuzzyarm.proof.claim.time import ClaimedPeriods, claimed_periods
+
+
+class ClaimedPeriods(NamedTuple):
+    """The first and the last control period, counted from 0; no last one: for ever."""
+
+    first: int
+    last: int | None
+
+
+def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedPeriods:
+    """Return the control periods that a claim counts in.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        With 0 ≤ begin ≤ end and end > 0.
+    period : float
+        s.
+    jumps : bool
+        Whether it is of a drive.
+    """
+    begin = decimal(claim.begin) / decimal(period)
+    first = max(0, math.ceil(begin) - 1) if jumps else math.floor(begin)
+    if math.isinf(claim.end):
+        return ClaimedPeriods(first, None)
+    end = decimal(claim.end) / decimal(period)
+    last = math.floor(end) if jumps else math.ceil(end) - 1
+    return ClaimedPeriods(min(first, last), last)
+
 
 OPENINGS = ("stable", "on", "at", "with", "from")
 """Words that a claim may begin with, where its plant is known."""
