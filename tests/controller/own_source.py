@@ -40,7 +40,7 @@ def example(word):
     kind = SOURCES[word]
     if kind.of == "call":
         return f"y = {word} R(e)"
-    ends = {name: k for name, k in kind.options.items() if k.needed or k.takes == "range"}
+    ends = {name: k for name, k in kind.options.items() if k.needed or k.accepts == "range"}
     needed = "".join(f", {name} {k.example}" for name, k in ends.items())
     port = "voltage" if word == "driven" else "position"
     return f"y = {word}{kind.joined} {'e' if kind.of == 'signal' else port}{needed}"

@@ -325,7 +325,7 @@ def test_a_loose_layout_takes_other_numbers_in_place(loose, line, term, numbers,
     (tmp_path / "before.frb").write_text(text)
     (tmp_path / "after.frb").write_text(text.replace("\ninference", f"term {line}\n\ninference"))
     before, after = (fuzzyarm.load(tmp_path / f"{name}.frb") for name in ("before", "after"))
-    made = numbers_of(before, loose=loose)
+    made = numbers_of(before, editable=loose)
     mark = {(mark["variable"], mark["term"]): mark for mark in made["marks"]}[term]
     script = LOOSE.replace("AT", str(mark["floats"])).replace("NUMBERS", numbers)
     columns = [np.clip(column, -6, 6).tolist() for column in points_of(before, 200).values()]

@@ -85,7 +85,7 @@ def test_rows_with_two_variants_are_those_whose_text_and_figures_disagree():
     both = {
         row.controller
         for row in find_rows([])
-        if not CATALOGUE[row.controller].takes and len(variants(row)) == 2
+        if not CATALOGUE[row.controller].accepts and len(variants(row)) == 2
     }
     assert both == {"ct", "ct+ie", "acdid", "acdid+ie", "mrac", "mrac+ie", "dac+ie"}
 

@@ -6,7 +6,7 @@ it are read as whole numbers. In the order of memory:
 ====================  =======================================================================
 whole numbers ``k``   head (below), inputs, outputs, programs; row functions by address
 floats ``f``          ranges, edges of cells, lines, weights, layers, samples, consequents
-rows ``room``         to work in, each as long as there are points: ones, zeros, degrees,
+rows ``scratch``         to work in, each as long as there are points: ones, zeros, degrees,
                       heights of sets, strength, total, moment; behind them one row of samples
 columns               the inputs, one row each
 results               the outputs, one row each
@@ -43,7 +43,7 @@ from fuzzyarm.symbolic.kernels import kernel, whole_numbers
 # Head of the whole numbers: counts; first rows; where programs and outputs begin;
 INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
 # points and length of a row; where the parts of the block begin, and its end;
-POINTS, WIDTH, FLOATS, ROOM, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
+POINTS, WIDTH, FLOATS, SCRATCH, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
 # address of `run`, and what it and the defuzzifiers are called with: where in the block the
 # inputs are, where the program is, first point and number of points (in `order`), how many
 # outputs were NaN; where the groups of an output are, where its program goes on, its head.
@@ -158,7 +158,7 @@ class TermNumbers(NamedTuple):
     row : int
         Of a curve the row that its degrees are written to; of pieces where in the whole numbers
         their count is.
-    floats, room : int
+    floats, scratch : int
         Where its numbers begin, and for how many there is room.
     scaled : bool
         Of a set: whether its rules scale it rather than cut it.
@@ -169,7 +169,7 @@ class TermNumbers(NamedTuple):
     term: str
     row: int
     floats: int
-    room: int
+    scratch: int
     scaled: bool = False
 
 
@@ -207,7 +207,7 @@ def make_block(layout: Layout, points: int) -> PointBlock:
     # In the order of memory: each name is where the next part begins.
     lengths = {
         FLOATS: len(layout.whole),
-        ROOM: len(layout.floats),
+        SCRATCH: len(layout.floats),
         COLUMNS: layout.rows * width + 2 * layout.samples,
         RESULTS: inputs * width,
         ORDERED: outputs * width,
@@ -222,8 +222,8 @@ def make_block(layout: Layout, points: int) -> PointBlock:
     whole[POINTS], whole[WIDTH] = points, width
     for name, end in ends.items():
         whole[name] = end
-    numbers[ends[FLOATS] : ends[ROOM]] = memoryview(array("d", layout.floats))
-    ones = ends[ROOM] + ONES * width
+    numbers[ends[FLOATS] : ends[SCRATCH]] = memoryview(array("d", layout.floats))
+    ones = ends[SCRATCH] + ONES * width
     numbers[ones : ones + points] = memoryview(array("d", [1.0] * points))
     return PointBlock(numbers, whole, ends[COLUMNS], ends[RESULTS], layout.searches)
 
@@ -232,8 +232,8 @@ def make_block(layout: Layout, points: int) -> PointBlock:
 def parts_of(block: Any) -> Any:
     """Return whole numbers, floats and rows of a block, and of its rows TOTAL and MOMENT."""
     k = whole_numbers(block)
-    room = block[k[ROOM] : k[COLUMNS]]
+    scratch = block[k[SCRATCH] : k[COLUMNS]]
     begin = (k[WORK] + TOTAL) * k[WIDTH]
-    total = room[begin : begin + k[COUNT]]
+    total = scratch[begin : begin + k[COUNT]]
     begin = (k[WORK] + MOMENT) * k[WIDTH]
-    return k, block[k[FLOATS] : k[ROOM]], room, total, room[begin : begin + k[COUNT]]
+    return k, block[k[FLOATS] : k[SCRATCH]], scratch, total, scratch[begin : begin + k[COUNT]]

@@ -50,15 +50,15 @@ def sampled_centroid(block: Any) -> None:
     registers, one sample after the other. The aggregate is not stored then, which would have every
     set wait for the stores of the one before.
     """
-    k, f, room, total, moment = parts_of(block)
+    k, f, scratch, total, moment = parts_of(block)
     width = k[WIDTH]
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     positions = f[numbers : numbers + samples]
     weights = f[numbers + samples : numbers + 2 * samples]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    heap = scratch[(k[WORK] + WORK_ROWS) * width :]
     for point in range(total.shape[0]):
-        count, first, last = _firing_sets(k, room, heap, point, numbers)
+        count, first, last = _firing_sets(k, scratch, heap, point, numbers)
         if count <= AT_ONCE:
             height_0, height_1, height_2, height_3 = heap[0], heap[1], heap[2], heap[3]
             # Unused slots have the height 0, so that four sets are united without a branch.
@@ -75,11 +75,11 @@ def sampled_centroid(block: Any) -> None:
             total[point] = area
             moment[point] = torque
         else:
-            total[point], moment[point] = _summed(k, f, room, heap, point, positions, weights)
+            total[point], moment[point] = _summed(k, f, scratch, heap, point, positions, weights)
 
 
 @kernel
-def _firing_sets(k: Any, room: Any, heap: Any, point: int, numbers: int) -> tuple[int, int, int]:
+def _firing_sets(k: Any, scratch: Any, heap: Any, point: int, numbers: int) -> tuple[int, int, int]:
     """Write down heights and degrees of the sets of a point; return how many, and where they are.
 
     Where there are more than `AT_ONCE`, or one that is not united in registers, they are one more.
@@ -95,7 +95,7 @@ def _firing_sets(k: Any, room: Any, heap: Any, point: int, numbers: int) -> tupl
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * width + point]
+        height = scratch[group * width + point]
         if height > 0.0:
             if count == AT_ONCE or k[consequent + 5] == 0:
                 return AT_ONCE + 1, 0, 0
@@ -108,12 +108,12 @@ def _firing_sets(k: Any, room: Any, heap: Any, point: int, numbers: int) -> tupl
 
 @kernel
 def _summed(
-    k: Any, f: Any, room: Any, heap: Any, point: int, positions: Any, weights: Any
+    k: Any, f: Any, scratch: Any, heap: Any, point: int, positions: Any, weights: Any
 ) -> tuple[float, float]:
     """Return area and moment of the samples of an aggregate of any sets."""
     samples = positions.shape[0]
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
-    first, last = sample(k, f, room, point, 0, aggregate, cut)
+    first, last = sample(k, f, scratch, point, 0, aggregate, cut)
     return summed_up(aggregate, positions, weights, first, last)
 
 
@@ -132,7 +132,7 @@ def summed_up(
 
 @kernel
 def sample(
-    k: Any, f: Any, room: Any, point: int, side: int, aggregate: Any, cut: Any
+    k: Any, f: Any, scratch: Any, point: int, side: int, aggregate: Any, cut: Any
 ) -> tuple[int, int]:
     """Write down the samples of the aggregate of a point; return where it is not zero.
 
@@ -148,7 +148,7 @@ def sample(
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * width + point]
+        height = scratch[group * width + point]
         if height > 0.0 and k[consequent + 4] == side:
             begin, end = k[consequent], k[consequent + 1]
             first, last = min(first, begin), max(last, end)
@@ -160,17 +160,17 @@ def sample(
 
 
 @kernel
-def whole_envelope(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def whole_envelope(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return area and moment below the upper envelope of cut or scaled sets, piece by piece.
 
     For straight sets without a closed form.
     """
     begin = k[k[OUTPUT] + DETAIL]
-    return whole_of(heap, begin, envelop(k, f, room, point, 0, heap, begin))
+    return whole_of(heap, begin, envelop(k, f, scratch, point, 0, heap, begin))
 
 
 @kernel
-def envelop(k: Any, f: Any, room: Any, point: int, side: int, heap: Any, into: int) -> int:
+def envelop(k: Any, f: Any, scratch: Any, point: int, side: int, heap: Any, into: int) -> int:
     """Write down the upper envelope of the cut sets of one side; return where it ends.
 
     A consequent is: its pieces (how many, and where they are in f), whether its implication is
@@ -183,7 +183,7 @@ def envelop(k: Any, f: Any, room: Any, point: int, side: int, heap: Any, into: i
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * width + point]
+        height = scratch[group * width + point]
         pieces, begin = k[consequent], k[consequent + 1]
         if height > 0.0 and k[consequent + 3] == side:
             scaled = k[consequent + 2] != 0

@@ -37,7 +37,7 @@ def closed_centroid(block: Any) -> None:
     Reads from ``k[NEXT]`` on: unions of heights (how many; each a count and its rows), then
     terms (how many; each two rows, of which the smaller counts, and where its layer is).
     """
-    k, f, room, total, moment = parts_of(block)
+    k, f, scratch, total, moment = parts_of(block)
     count, width = k[COUNT], k[WIDTH]
     groups = k[k[GROUPS]]
     first = k[HEIGHTS] * width
@@ -48,12 +48,12 @@ def closed_centroid(block: Any) -> None:
     for union in range(groups, groups + unions):
         others = k[at]
         begin = first + union * width
-        most = room[begin : begin + count]
+        most = scratch[begin : begin + count]
         for point in range(count):
             most[point] = 0.0
         for other in range(at + 1, at + 1 + others):
             begin = first + k[other] * width
-            height = room[begin : begin + count]
+            height = scratch[begin : begin + count]
             for point in range(count):
                 most[point] = max(most[point], height[point])
         at += 1 + others
@@ -63,9 +63,9 @@ def closed_centroid(block: Any) -> None:
     at += 1
     for _ in range(terms):
         begin = first + k[at] * width
-        one = room[begin : begin + count]
+        one = scratch[begin : begin + count]
         begin = first + k[at + 1] * width
-        second = room[begin : begin + count]
+        second = scratch[begin : begin + count]
         _add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, second, total, moment)
         at += 3
     k[NEXT] = at
@@ -133,15 +133,15 @@ def weighted(block: Any) -> None:
 
     A value is linear in the first ``k[DETAIL]`` inputs: constant, then coefficients in f.
     """
-    k, f, room, total, moment = parts_of(block)
+    k, f, scratch, total, moment = parts_of(block)
     count, width = k[COUNT], k[WIDTH]
     begin = (k[WORK] + STRENGTH) * width
-    value = room[begin : begin + count]
+    value = scratch[begin : begin + count]
     linear = k[k[OUTPUT] + DETAIL]
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         begin = group * width
-        weight = room[begin : begin + count]
+        weight = scratch[begin : begin + count]
         values = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
         for point in range(count):

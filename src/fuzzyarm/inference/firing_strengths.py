@@ -31,21 +31,21 @@ from fuzzyarm.symbolic.kernels import call, kernel
 
 
 @kernel
-def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
+def join_expressions(k: Any, f: Any, scratch: Any, at: int, count: int) -> int:
     """Write down the truth of the expressions in parentheses; return the index behind."""
     width = k[WIDTH]
     expressions = k[at]
     at += 1
     for _ in range(expressions):
         begin = k[at] * width
-        truth = room[begin : begin + count]
+        truth = scratch[begin : begin + count]
         norm, hedges, operands = k[at + 1], k[at + 2], k[at + 3]
         at += TRUTH_HEAD
         begin = k[at] * width
-        degrees = room[begin : begin + count]
+        degrees = scratch[begin : begin + count]
         for operand in range(at + 1, at + operands):
             begin = k[operand] * width
-            join(norm, degrees, room[begin : begin + count], truth)
+            join(norm, degrees, scratch[begin : begin + count], truth)
             degrees = truth
         if hedges != 0:
             call(hedges, degrees, f[0:0], truth)
@@ -54,22 +54,22 @@ def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
 
 
 @kernel
-def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
+def fold_heights(k: Any, f: Any, scratch: Any, at: int, fold: int, count: int) -> int:
     """Fold the strengths of the rules of each group, one row each; return the index behind."""
     width = k[WIDTH]
     groups = k[at]
     at += 1
     begin = (k[WORK] + STRENGTH) * width
-    strength = room[begin : begin + count]
+    strength = scratch[begin : begin + count]
     # A group is a set with the rules that assert it in this cell. The first strength goes into
     # the row of its height at once; the norm is the output's, max nearly always.
     for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
         begin = group * width
-        folded = room[begin : begin + count]
+        folded = scratch[begin : begin + count]
         rules = k[at]
         at += GROUP_HEAD
         for i in range(rules):
-            fire(k, f, room, at, strength if i else folded)
+            fire(k, f, scratch, at, strength if i else folded)
             at += RULE_HEAD + k[OPERANDS]
             if i:
                 join(fold, folded, strength, folded)
@@ -77,21 +77,21 @@ def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> i
 
 
 @kernel
-def unite_rules(k: Any, room: Any, at: int, count: int) -> int:
+def unite_rules(k: Any, scratch: Any, at: int, count: int) -> int:
     """As :func:`fold_heights`, for the usual grid of rules of two operands."""
     width = k[WIDTH]
     groups = k[at]
     at += 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
         begin = group * width
-        folded = room[begin : begin + count]
+        folded = scratch[begin : begin + count]
         rules = k[at]
         at += GROUP_HEAD
         for i in range(rules):
             begin = k[at + RULE_HEAD] * width
-            one = room[begin : begin + count]
+            one = scratch[begin : begin + count]
             begin = k[at + RULE_HEAD + 1] * width
-            other = room[begin : begin + count]
+            other = scratch[begin : begin + count]
             at += RULE_HEAD + 2
             if i:
                 for point in range(count):
@@ -104,7 +104,7 @@ def unite_rules(k: Any, room: Any, at: int, count: int) -> int:
 
 @kernel
 def fold_heights_of_point(
-    k: Any, f: Any, room: Any, at: int, fold: int, heights: int, operands: int
+    k: Any, f: Any, scratch: Any, at: int, fold: int, heights: int, operands: int
 ) -> int:
     """Fold the strengths of the rules of each group at a point; return the index behind."""
     groups = k[at]
@@ -112,18 +112,18 @@ def fold_heights_of_point(
     for group in range(heights, heights + groups):
         rules = k[at]
         at += GROUP_HEAD
-        folded = _fired(k, f, room, at, operands)
+        folded = _fired(k, f, scratch, at, operands)
         at += RULE_HEAD + operands
         for _ in range(rules - 1):
-            strength = _fired(k, f, room, at, operands)
-            folded = joined(k, room, fold, folded, strength)
+            strength = _fired(k, f, scratch, at, operands)
+            folded = joined(k, scratch, fold, folded, strength)
             at += RULE_HEAD + operands
-        room[group] = folded
+        scratch[group] = folded
     return at
 
 
 @kernel
-def unite_rules_of_point(k: Any, room: Any, at: int, heights: int, operands: int) -> int:
+def unite_rules_of_point(k: Any, scratch: Any, at: int, heights: int, operands: int) -> int:
     """As :func:`fold_heights_of_point`, for the usual grid of rules."""
     # Neither norms nor weights are read, which are half of the work of a rule.
     groups = k[at]
@@ -134,30 +134,30 @@ def unite_rules_of_point(k: Any, room: Any, at: int, heights: int, operands: int
         folded = 0.0  # below which no strength is
         if operands == 2:
             for _ in range(rules):
-                folded = max(folded, min(room[k[at]], room[k[at + 1]]))
+                folded = max(folded, min(scratch[k[at]], scratch[k[at + 1]]))
                 at += RULE_HEAD + 2
         else:
             for _ in range(rules):
-                strength = min(room[k[at]], room[k[at + 1]])
+                strength = min(scratch[k[at]], scratch[k[at + 1]])
                 for operand in range(at + 2, at + operands):
-                    strength = min(strength, room[k[operand]])
+                    strength = min(strength, scratch[k[operand]])
                 folded = max(folded, strength)
                 at += RULE_HEAD + operands
         at -= RULE_HEAD
-        room[group] = folded
+        scratch[group] = folded
     return at
 
 
 @kernel
-def _fired(k: Any, f: Any, room: Any, rule: int, operands: int) -> float:
+def _fired(k: Any, f: Any, scratch: Any, rule: int, operands: int) -> float:
     """Return how far a rule fires at a point; see :func:`fire`."""
     norm = k[rule]
     weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
     first = rule + RULE_HEAD
-    strength: float = room[k[first]]
+    strength: float = scratch[k[first]]
     for operand in range(min(first + 1, first + operands - 1), first + operands):
         if is_joined(norm, k[operand]):
-            strength = joined(k, room, norm, strength, room[k[operand]])
+            strength = joined(k, scratch, norm, strength, scratch[k[operand]])
     if weight != 1.0 or threshold > 0.0:
         strength = weighed(strength, weight, threshold)
     return strength
@@ -180,7 +180,7 @@ def weighed(strength: float, weight: float, threshold: float) -> float:
 
 
 @kernel
-def joined(k: Any, room: Any, norm: int, a: float, b: float) -> float:
+def joined(k: Any, scratch: Any, norm: int, a: float, b: float) -> float:
     """Return the norm of two numbers; see :func:`join`."""
     value = a
     if norm == MIN:
@@ -193,16 +193,16 @@ def joined(k: Any, room: Any, norm: int, a: float, b: float) -> float:
         value = a + b
     else:  # in the rows to work in, which nobody uses before the defuzzifier
         at = k[WORK]
-        room[at] = a
-        room[at + 1] = b
-        one, other = room[at : at + 1], room[at + 1 : at + 2]
-        call(norm, one, other, room[0:0], one)
-        value = room[at]
+        scratch[at] = a
+        scratch[at + 1] = b
+        one, other = scratch[at : at + 1], scratch[at + 1 : at + 2]
+        call(norm, one, other, scratch[0:0], one)
+        value = scratch[at]
     return value
 
 
 @kernel
-def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
+def fire(k: Any, f: Any, scratch: Any, rule: int, strength: Any) -> None:
     """Write down how far a rule fires: its operands under its norm, times its weight."""
     count = strength.shape[0]
     width = k[WIDTH]
@@ -210,12 +210,12 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
     weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
     first = rule + RULE_HEAD
     begin = k[first] * width
-    degrees = room[begin : begin + count]
+    degrees = scratch[begin : begin + count]
     # A rule of one operand has a neutral second one under min: the strength is always written.
     for operand in range(min(first + 1, first + k[OPERANDS] - 1), first + k[OPERANDS]):
         if is_joined(norm, k[operand]):
             begin = k[operand] * width
-            join(norm, degrees, room[begin : begin + count], strength)
+            join(norm, degrees, scratch[begin : begin + count], strength)
             degrees = strength
     # At weight 1 and threshold 0 this changes nothing, and most rules are so.
     if weight != 1.0 or threshold > 0.0:

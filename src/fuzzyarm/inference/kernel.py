@@ -84,8 +84,8 @@ from fuzzyarm.inference.block import (
     PROGRAMS_AT,
     RANGE,
     RESULTS,
-    ROOM,
     RUN,
+    SCRATCH,
     SLOT,
     STARTS_AT,
     STRIDE,
@@ -176,30 +176,30 @@ def evaluate(block: Any) -> None:
             block[results + o] = math.nan
         k[MISSING] = outputs
         return
-    room = block[k[ROOM] :]
+    scratch = block[k[SCRATCH] :]
     operands, heights = form.operands, k[HEIGHTS]
     at = k[k[PROGRAMS_AT] + program]
     head = HEAD
     for column in range(columns, columns + inputs):
-        _fuzzify_point(block, k, f, room, head, column, k[at], k[at + 1])
+        _fuzzify_point(block, k, f, scratch, head, column, k[at], k[at + 1])
         if not form.grid and k[head + CURVES] > 0:
-            _fuzzify_curves(k, f, room, head, block[column : column + 1])
+            _fuzzify_curves(k, f, scratch, head, block[column : column + 1])
         head += INPUT_HEAD
         at += 2
-    at = at + 1 if form.grid or k[at] == 0 else join_expressions(k, f, room, at, 1)
+    at = at + 1 if form.grid or k[at] == 0 else join_expressions(k, f, scratch, at, 1)
     head = k[OUTPUTS_AT]
     for o in range(outputs):
         groups = at
         if form.grid or k[head + IS_MAX_MIN] != 0:
-            at = unite_rules_of_point(k, room, at, heights, operands)
+            at = unite_rules_of_point(k, scratch, at, heights, operands)
         else:
-            at = fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, operands)
+            at = fold_heights_of_point(k, f, scratch, at, k[head + AGGREGATION], heights, operands)
         bounds = k[head + FLOATS_AT]
         if form.grid or k[head + IS_CLOSED] != 0:
-            total, moment, at = closed_centroid_at_point(k, f, room[heights:], k[groups], at)
+            total, moment, at = closed_centroid_at_point(k, f, scratch[heights:], k[groups], at)
         else:
-            total, moment, at = _defuzzified_point(block, k, room, head, groups, at)
-        value = _value_of_output(k, f, room, head, total, moment, form.grid)
+            total, moment, at = _defuzzified_point(block, k, scratch, head, groups, at)
+        value = _value_of_output(k, f, scratch, head, total, moment, form.grid)
         low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
         value = settled(k[head + OUT_MODE], low, high, silent, total, value)
         block[results + o] = value
@@ -218,7 +218,7 @@ def sweep(block: Any) -> None:
         With inputs in its columns (brought into their ranges here); its results are filled.
     """
     k = whole_numbers(block)
-    f = block[k[FLOATS] : k[ROOM]]
+    f = block[k[FLOATS] : k[SCRATCH]]
     points = k[POINTS]
     width = k[WIDTH]
     begin = k[ORDER]
@@ -381,20 +381,20 @@ def _program_of_point(block: Any, k: Any, f: Any, inputs: int, columns: int) -> 
 def run(block: Any) -> None:
     """Run the program at ``k[PROGRAM]`` for the points from ``k[FIRST]`` on that share it."""
     k = whole_numbers(block)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
+    f = block[k[FLOATS] : k[SCRATCH]]
+    scratch = block[k[SCRATCH] : k[COLUMNS]]
     count = k[COUNT]
     width = k[WIDTH]
     at = k[PROGRAM]  # walks through the program: every part returns where the next begins
     for i in range(k[INPUTS]):
         begin = k[INPUT_ROWS] + i * width
-        fuzzify(k, f, room, i, k[at], k[at + 1], block[begin : begin + count])
+        fuzzify(k, f, scratch, i, k[at], k[at + 1], block[begin : begin + count])
         at += 2
-    at = join_expressions(k, f, room, at, count)
+    at = join_expressions(k, f, scratch, at, count)
     begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + count]
+    total = scratch[begin : begin + count]
     begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + count]
+    moment = scratch[begin : begin + count]
     begin = k[ORDER] + width + k[FIRST]
     origin = k[begin : begin + count]
     head = k[OUTPUTS_AT]
@@ -405,9 +405,9 @@ def run(block: Any) -> None:
         k[GROUPS] = at
         k[OUTPUT] = head
         if k[head + IS_MAX_MIN] != 0 and k[OPERANDS] == 2:
-            k[NEXT] = unite_rules(k, room, at, count)
+            k[NEXT] = unite_rules(k, scratch, at, count)
         else:
-            k[NEXT] = fold_heights(k, f, room, at, k[head + AGGREGATION], count)
+            k[NEXT] = fold_heights(k, f, scratch, at, k[head + AGGREGATION], count)
         call(k[head + DEFUZZIFIER], block)  # fills total and moment; moves k[NEXT]
         at = k[NEXT]
         begin = k[head + FLOATS_AT]
@@ -425,7 +425,7 @@ def run(block: Any) -> None:
 
 
 @kernel
-def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) -> None:
+def fuzzify(k: Any, f: Any, scratch: Any, i: int, line: int, lines: int, x: Any) -> None:
     """Write down the degrees of an input: along straight lines, and of its curved terms."""
     width = k[WIDTH]
     count = x.shape[0]
@@ -435,17 +435,17 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
     row = k[head + SLOT]
     for _ in range(lines):
         begin = row * width
-        degrees = room[begin : begin + count]
+        degrees = scratch[begin : begin + count]
         height, x_0, slope = f[line], f[line + 1], f[line + 2]
         for point in range(count):
             degrees[point] = on_line(height, x_0, slope, x[point])
         line += LINE
         row += 1
-    _fuzzify_curves(k, f, room, head, x)
+    _fuzzify_curves(k, f, scratch, head, x)
 
 
 @kernel
-def _fuzzify_curves(k: Any, f: Any, room: Any, head: int, x: Any) -> None:
+def _fuzzify_curves(k: Any, f: Any, scratch: Any, head: int, x: Any) -> None:
     """Write down the degrees of the curved terms of an input."""
     width = k[WIDTH]
     # They have rows of their own behind the most lines of any cell: they hold in all.
@@ -455,7 +455,7 @@ def _fuzzify_curves(k: Any, f: Any, room: Any, head: int, x: Any) -> None:
         begin = k[curve + 1]
         numbers = f[begin : begin + k[curve + 2]]
         begin = row * width
-        call(k[curve], x, numbers, room[begin : begin + x.shape[0]])
+        call(k[curve], x, numbers, scratch[begin : begin + x.shape[0]])
         curve += CURVE
         row += 1
 
@@ -469,13 +469,13 @@ def on_line(height: float, x_0: float, slope: float, x: float) -> float:
 
 @kernel
 def _fuzzify_point(
-    block: Any, k: Any, f: Any, room: Any, head: int, column: int, line: int, lines: int
+    block: Any, k: Any, f: Any, scratch: Any, head: int, column: int, line: int, lines: int
 ) -> None:
     """Write down the degrees of an input on straight lines at a point; see :func:`fuzzify`."""
     value = block[column]
     first = k[head + SLOT]
     for row in range(first, first + lines):
-        room[row] = on_line(f[line], f[line + 1], f[line + 2], value)
+        scratch[row] = on_line(f[line], f[line + 1], f[line + 2], value)
         line += LINE
 
 
@@ -524,7 +524,7 @@ def mean_of(centre: float, moment: float, total: float) -> float:
 
 
 @kernel
-def at_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def at_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return total, and moment or value, of a point; a placeholder, bound per defuzzifier."""
     raise NotImplementedError
 
@@ -536,10 +536,10 @@ def point_by_point(block: Any) -> None:
     After the work rows comes a heap for the numbers of one point, which fits into the
     nearest cache.
     """
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    k, f, scratch, total, moment = parts_of(block)
+    heap = scratch[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     for point in range(total.shape[0]):
-        total[point], moment[point] = at_point(k, f, room, heap, point)
+        total[point], moment[point] = at_point(k, f, scratch, heap, point)
 
 
 @kernel
@@ -555,7 +555,7 @@ def made_of(k: Any, heap: Any, first: float, second: float, third: float, fourth
 
 @kernel
 def _defuzzified_point(
-    block: Any, k: Any, room: Any, head: int, groups: int, at: int
+    block: Any, k: Any, scratch: Any, head: int, groups: int, at: int
 ) -> tuple[float, float, int]:
     """Let a defuzzifier add up total and moment of a point; return them and the index behind."""
     # Nothing was sorted: it reads the columns where `sweep` has it read a copy.
@@ -563,15 +563,15 @@ def _defuzzified_point(
     k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at
     total = k[WORK] + TOTAL
     moment = k[WORK] + MOMENT
-    room[total] = 0.0
-    room[moment] = 0.0
+    scratch[total] = 0.0
+    scratch[moment] = 0.0
     call(k[head + DEFUZZIFIER], block)  # moves k[NEXT]
-    return room[total], room[moment], k[NEXT]
+    return scratch[total], scratch[moment], k[NEXT]
 
 
 @kernel
 def _value_of_output(
-    k: Any, f: Any, room: Any, head: int, total: float, moment: float, grid: bool
+    k: Any, f: Any, scratch: Any, head: int, total: float, moment: float, grid: bool
 ) -> float:
     """Return the value of an output at a point, before it is brought into its range."""
     value = moment
@@ -579,7 +579,7 @@ def _value_of_output(
         value = mean_of(f[k[head + FLOATS_AT] + 3], moment, total)
     if not grid and k[head + FINISH] != 0:
         at = (k[WORK] + MOMENT) * k[WIDTH]
-        room[at] = value
-        call(k[head + FINISH], room[at : at + 1], f[0:0], room[at : at + 1])
-        value = room[at]
+        scratch[at] = value
+        call(k[head + FINISH], scratch[at : at + 1], f[0:0], scratch[at : at + 1])
+        value = scratch[at]
     return value

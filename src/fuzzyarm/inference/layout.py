@@ -74,8 +74,8 @@ def lay_out(
     *,
     compiled: bool = False,
     addresses: Addresses | None = None,
-    loose: str = "",
-    alone: bool = False,
+    editable: str = "",
+    point_only: bool = False,
     plain: bool = False,
 ) -> Layout:
     """Write a plan as numbers.
@@ -88,11 +88,11 @@ def lay_out(
         Whether the kernel will run as machine code: row functions have other addresses then.
     addresses : Addresses, optional
         Who numbers the functions; by default they are addresses in this process.
-    loose : str
+    editable : str
         A variable whose terms are to have numbers of their own, so that they can be changed in
         place: an input without cells, an output without closed forms. It takes longer to
         evaluate, and its last bits differ.
-    alone : bool
+    point_only : bool
         For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
         is 0.
     plain : bool
@@ -102,7 +102,7 @@ def lay_out(
     Returns
     -------
     Layout
-        For :func:`fuzzyarm.inference.kernel.sweep`, too, unless `alone`.
+        For :func:`fuzzyarm.inference.kernel.sweep`, too, unless `point_only`.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def lay_out(
         If the kernel cannot evaluate it.
     """
     addresses = addresses or InMemory(compiled)
-    return _Writer(plan, addresses, loose=loose, alone=alone, plain=plain).layout()
+    return _Writer(plan, addresses, editable=editable, point_only=point_only, plain=plain).layout()
 
 
 @remembered
@@ -133,15 +133,15 @@ MOST_KNOWN, MOST_KEPT = 16, 50_000
 
 class _Writer:
     def __init__(
-        self, plan: Plan, addresses: Addresses, *, loose: str, alone: bool, plain: bool
+        self, plan: Plan, addresses: Addresses, *, editable: str, point_only: bool, plain: bool
     ) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
             raise NotCoveredError("a rule base without inputs or outputs")
         self.plan = plan
         self.searches: list[SearchedMaxima] = []
         self.addresses = addresses
-        self.loose = loose
-        self.alone = alone
+        self.editable = editable
+        self.point_only = point_only
         self.marks: list[TermNumbers] = []
         self._number_rules()
         for name, output in plan.outputs.items():
@@ -238,7 +238,7 @@ class _Writer:
     def _cut_inputs(self) -> None:
         """Cut the inputs into cells; not all of them where that would make too many programs."""
         inputs = self.plan.rulebase.inputs
-        uncut = {self.loose}
+        uncut = {self.editable}
         while True:
             self._cut(uncut)
             self.homes = [_homes(cells) for cells in self.cells]
@@ -335,7 +335,7 @@ class _Writer:
         self.whole[: at.POINTS] = [
             inputs, len(outputs), self.operands, row, work, programs, heads, stride, samples,
         ]  # fmt: skip
-        self.whole[at.RUN] = 0 if self.alone else self.addresses.program(RUN)
+        self.whole[at.RUN] = 0 if self.point_only else self.addresses.program(RUN)
         rows = work + at.WORK_ROWS
         searches = tuple(self.searches)
         return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks), searches)
@@ -418,7 +418,7 @@ class _Writer:
             begin, (term, hedges) = len(self.floats), terms[number]
             self.whole += [curve.address, begin, len(curve.numbers)]
             self.floats += curve.numbers
-            if variable.name == self.loose and not hedges:
+            if variable.name == self.editable and not hedges:
                 mark = ("curve", variable.name, term, row + most + j, begin, len(curve.numbers))
                 self.marks.append(TermNumbers(*mark))
         always = {part: row + most + j for j, (part, _) in enumerate(self.curves[i])}

@@ -80,14 +80,16 @@ class SearchedMaxima:
 _searched: WeakValueDictionary[int, SearchedMaxima] = WeakValueDictionary()
 
 
-def position_of_searched(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def position_of_searched(
+    k: Any, f: Any, scratch: Any, heap: Any, point: int
+) -> tuple[float, float]:
     """Return something above 0 where a rule fires, and the value; each rule is a group."""
     fired = []
     place = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         member = k[k[place + 1]]
         place += GROUP_HEAD + k[place] * (RULE_HEAD + k[OPERANDS])
-        strength = float(room[group * k[WIDTH] + point])
+        strength = float(scratch[group * k[WIDTH] + point])
         if strength > 0.0:
             fired.append((member, strength))
     value = _searched[k[k[OUTPUT] + DETAIL]].value(fired) if fired else None

@@ -67,9 +67,9 @@ class Base(Protocol):
         Of the whole rule base.
     addresses : Addresses
         Who numbers the functions.
-    loose : str
+    editable : str
         The variable whose terms can be changed in place.
-    alone : bool
+    point_only : bool
         Whether the address of the closed form is 0.
     whole, floats : list
         The numbers so far.
@@ -83,8 +83,8 @@ class Base(Protocol):
 
     plan: Plan
     addresses: Addresses
-    loose: str
-    alone: bool
+    editable: str
+    point_only: bool
     whole: list[int]
     floats: list[float]
     marks: list[TermNumbers]
@@ -169,8 +169,8 @@ class OutputWriter:
         self.base, self.plan = base, plan
         self.heights = self.samples = 0
         output, whole = plan.output, base.whole
-        self.loose = output.name == base.loose
-        self.program = program_of(plan, loose=self.loose)
+        self.editable = output.name == base.editable
+        self.program = program_of(plan, editable=self.editable)
         mode = {"clamp": at.CLAMP, "extend": at.EXTEND, "error": at.ERROR}[output.outside]
         floats = len(base.floats)
         silent = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
@@ -185,7 +185,7 @@ class OutputWriter:
         fold = self._norm(SNORMS[output.aggregation], "S")
         is_closed = self.program is CLOSED
         address = 0
-        if not (is_closed and base.alone):
+        if not (is_closed and base.point_only):
             address = base.addresses.program(self.program)
         is_mean = bool(self.program.centre) and plan.record.of != "sum"
         finish, choice = made_by(plan, base.addresses)
@@ -265,7 +265,7 @@ class OutputWriter:
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
             begin, heights = sampled.first, sampled.heights
-            if self.loose:  # a sample for each position, also where the set is 0 now
+            if self.editable:  # a sample for each position, also where the set is 0 now
                 begin, heights = 0, sampled.over(count)
             self.consequents[i] = len(self.base.whole)
             cut = self._norm(TNORMS[member.implication], "T")
@@ -290,13 +290,13 @@ class OutputWriter:
     def _side(self, member: int) -> int:
         return self.plan.sides[member] if self.plan.sides else UPPER
 
-    def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
+    def _mark(self, sort: str, member: int, begin: int, scratch: int) -> None:
         """Record the positions of an unhedged consequent's numbers in a loose layout."""
         term_member, output = self.plan.members[member], self.plan.output
-        if self.loose and not term_member.hedges:
+        if self.editable and not term_member.hedges:
             counted, scaled = self.consequents[member], term_member.implication == "product"
             mark = TermNumbers(
-                sort, output.name, term_member.term.name, counted, begin, room, scaled
+                sort, output.name, term_member.term.name, counted, begin, scratch, scaled
             )
             self.base.marks.append(mark)
 
@@ -309,13 +309,13 @@ class OutputWriter:
             scaled = int(member.implication == "product")
             head = [len(member.pieces), len(self.base.floats), scaled, self._side(i)]
             self.base.whole += head
-            room = len(member.pieces)
-            if self.loose:  # a corner may move into the range, or off another one
-                room = max(room, len(polyline(member.term.shape)) + 1)
+            scratch = len(member.pieces)
+            if self.editable:  # a corner may move into the range, or off another one
+                scratch = max(scratch, len(polyline(member.term.shape)) + 1)
             ends = [end for piece in member.pieces for end in piece[:4]]
-            self._floats([*ends, *[0.0] * (envelope.PIECE * room - len(ends))])
-            self._mark("pieces", i, len(self.base.floats) - envelope.PIECE * room, room)
-            pieces += room
+            self._floats([*ends, *[0.0] * (envelope.PIECE * scratch - len(ends))])
+            self._mark("pieces", i, len(self.base.floats) - envelope.PIECE * scratch, scratch)
+            pieces += scratch
         begin, end = envelope.heap_size(pieces)
         self.samples = end // 2 + 1  # there are two rows of samples
         return begin

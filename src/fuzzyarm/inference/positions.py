@@ -17,14 +17,15 @@ output, where :func:`.kernel.settled` finds it.
 
 Arguments of a function at a point:
 
-==========  ==================================================================================
-``k``       the block as whole numbers: which groups may fire here (from ``k[GROUPS]`` on), and
-            where the consequent of each is described
-``f``       its floats: positions and weights of samples, degrees, pieces of sets; positions in
-            the unit of the output, degrees without one
-``room``    the rows: that of a group has the strength with which its set is asserted, at ``point``
-``heap``    room for the numbers of one point; each section describes its use
-==========  ==================================================================================
+===========  =================================================================================
+``k``        the block as whole numbers: which groups may fire here (from ``k[GROUPS]`` on), and
+             where the consequent of each is described
+``f``        its floats: positions and weights of samples, degrees, pieces of sets; positions in
+             the unit of the output, degrees without one
+``scratch``  the rows: that of a group has the strength with which its set is asserted, at
+             ``point``
+``heap``     room for the numbers of one point; each section describes its use
+===========  =================================================================================
 """
 
 from __future__ import annotations
@@ -214,12 +215,12 @@ def way_of(k: Any, f: Any) -> int:
 
 
 @kernel
-def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def position_of_samples(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the choice among the samples of one point."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
-    sample(k, f, room, point, 0, aggregate, cut)
+    sample(k, f, scratch, point, 0, aggregate, cut)
     if way_of(k, f) <= NEAREST_HALF:  # a sample counts by its share of the integral
         for i in range(samples):
             aggregate[i] *= f[numbers + samples + i]
@@ -239,20 +240,20 @@ def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tup
 
 
 @kernel
-def position_of_joined(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def position_of_joined(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return area, and centroid or bisector, of the joined union of one point."""
-    area, moment, position = along_joined(k, f, room, heap, point, math.inf)
+    area, moment, position = along_joined(k, f, scratch, heap, point, math.inf)
     if not area > 0.0:
         return 0.0, 0.0
     if way_of(k, f) == CENTROID:
         return area, moment / 6.0 / area
-    _, _, position = along_joined(k, f, room, heap, point, 0.5 * area)
+    _, _, position = along_joined(k, f, scratch, heap, point, 0.5 * area)
     return area, position
 
 
 @kernel
 def along_joined(
-    k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float
+    k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float
 ) -> tuple[float, float, float]:
     """Go along the joined union until its area is `wanted`; return area, moment, position.
 
@@ -263,13 +264,13 @@ def along_joined(
     most = k[k[GROUPS]] + 2
     area = torque = 0.0
     heap[0] = 0.0
-    heights_between(k, f, room, heap, point, 0, 1, 0)
+    heights_between(k, f, scratch, heap, point, 0, 1, 0)
     x = f[numbers]
     y = heap[3 * most]
     for i in range(samples - 1):
         start, end = f[numbers + i], f[numbers + i + 1]
-        inner = crossings_between(k, f, room, heap, point, i)
-        heights_between(k, f, room, heap, point, i, inner + 1, 1)
+        inner = crossings_between(k, f, scratch, heap, point, i)
+        heights_between(k, f, scratch, heap, point, i, inner + 1, 1)
         for j in range(inner + 1):
             b = end
             if j < inner:
@@ -306,14 +307,14 @@ def degree_at(k: Any, f: Any, consequent: int, index: int) -> float:
 
 
 @kernel
-def crossings_between(k: Any, f: Any, room: Any, heap: Any, point: int, i: int) -> int:
+def crossings_between(k: Any, f: Any, scratch: Any, heap: Any, point: int, i: int) -> int:
     """Write down the shares of the way from a sample to the next where a set is cut off flat."""
     count = 0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * k[WIDTH] + point]
+        height = scratch[group * k[WIDTH] + point]
         if height > 0.0 and k[consequent + 3] == MIN:
             y = degree_at(k, f, consequent, i)
             z = degree_at(k, f, consequent, i + 1)
@@ -326,7 +327,7 @@ def crossings_between(k: Any, f: Any, room: Any, heap: Any, point: int, i: int) 
 
 @kernel
 def heights_between(
-    k: Any, f: Any, room: Any, heap: Any, point: int, i: int, count: int, ends: int
+    k: Any, f: Any, scratch: Any, heap: Any, point: int, i: int, count: int, ends: int
 ) -> None:
     """Write down the heights of the union at shares of the way from a sample to the next.
 
@@ -342,7 +343,7 @@ def heights_between(
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * k[WIDTH] + point]
+        height = scratch[group * k[WIDTH] + point]
         if height > 0.0:
             y = degree_at(k, f, consequent, i)
             z = degree_at(k, f, consequent, i + 1)
@@ -365,14 +366,14 @@ HEAP = 2
 
 
 @kernel
-def position_of_maxima(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def position_of_maxima(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the greatest height of one point, and the value made of its positions."""
     greatest = 0.0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * k[WIDTH] + point]
+        height = scratch[group * k[WIDTH] + point]
         if height > 0.0:
             greatest = max(greatest, reached(k, f, heap, consequent, height))
     if not greatest > 0.0:
@@ -382,7 +383,7 @@ def position_of_maxima(k: Any, f: Any, room: Any, heap: Any, point: int) -> tupl
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * k[WIDTH] + point]
+        height = scratch[group * k[WIDTH] + point]
         if height > 0.0:
             high = reached(k, f, heap, consequent, height)
             if high >= greatest * (1.0 - SAME):
@@ -530,15 +531,15 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
 @kernel
 def weighted_values(block: Any) -> None:
     """Add up strengths, and strengths times values that formulas or sets give, point by point."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    k, f, scratch, total, moment = parts_of(block)
+    heap = scratch[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     for point in range(total.shape[0]):
         whole = turn = 0.0
         at = k[GROUPS] + 1
         for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
             consequent = k[at + 1]
             at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-            strength = room[group * k[WIDTH] + point]
+            strength = scratch[group * k[WIDTH] + point]
             if strength > 0.0:
                 whole += strength
                 turn += strength * found_value(block, k, f, heap, consequent, strength, point)
@@ -548,8 +549,8 @@ def weighted_values(block: Any) -> None:
 @kernel
 def position_of_values(block: Any) -> None:
     """Choose among values by their strengths, point by point."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    k, f, scratch, total, moment = parts_of(block)
+    heap = scratch[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     groups = k[k[GROUPS]]
     begin = HEAP + k[INPUTS]
     values, heights = heap[begin : begin + groups], heap[begin + groups : begin + 2 * groups]
@@ -559,7 +560,7 @@ def position_of_values(block: Any) -> None:
         for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
             consequent = k[at + 1]
             at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-            strength = room[group * k[WIDTH] + point]
+            strength = scratch[group * k[WIDTH] + point]
             if strength > 0.0:
                 value = found_value(block, k, f, heap, consequent, strength, point)
                 count = insert_value(values, heights, count, value, strength)
@@ -567,15 +568,15 @@ def position_of_values(block: Any) -> None:
 
 
 @kernel
-def choice_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def choice_of_values(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the choice among the values of a point: strength and value by turns."""
     groups = k[k[GROUPS]]
     values, heights = heap[:groups], heap[groups : 2 * groups]
     count = 0
     for group in range(groups):
         row = (k[HEIGHTS] + 2 * group) * k[WIDTH] + point
-        if room[row] > 0.0:
-            count = insert_value(values, heights, count, room[row + k[WIDTH]], room[row])
+        if scratch[row] > 0.0:
+            count = insert_value(values, heights, count, scratch[row + k[WIDTH]], scratch[row])
     return chosen_among(k, f, heap, values, heights, count, 0)
 
 

@@ -44,7 +44,7 @@ class DefuzzifierProgram(NamedTuple):
 
     @property
     def function(self) -> Callable[..., Any]:
-        """Its function at one point: numbers of the layout and of the room in, value out.
+        """Its function at one point: numbers of the layout and scratch in, value out.
 
         A total and a value, or a moment. Exported programs are printed from it.
         """
@@ -134,8 +134,8 @@ EVALUATORS: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep)
 # ── which one an output has ──────────────────────────────────────────────────────────
 
 
-def program_of(plan: OutputPlan, *, loose: bool = False) -> DefuzzifierProgram:
-    """Return the defuzzifier of an output; of a `loose` one without a closed form."""
+def program_of(plan: OutputPlan, *, editable: bool = False) -> DefuzzifierProgram:
+    """Return the defuzzifier of an output; of a `editable` one without a closed form."""
     record, way = plan.record, plan.output.defuzzifier
     if plan.discrete:
         return _of_numbers(plan)
@@ -145,17 +145,17 @@ def program_of(plan: OutputPlan, *, loose: bool = False) -> DefuzzifierProgram:
         return BOTH_SAMPLES if record.both else SAMPLES[record.of]
     if record.of == "top":
         return LEVELS if plan.output.aggregation == "max" else SEARCHED
-    return _of_areas(plan, loose=loose)
+    return _of_areas(plan, editable=editable)
 
 
-def _of_areas(plan: OutputPlan, *, loose: bool) -> DefuzzifierProgram:
+def _of_areas(plan: OutputPlan, *, editable: bool) -> DefuzzifierProgram:
     """Return the program for the area of a set."""
     record = plan.record
     if not plan.members:
         return CLOSED
     # A loose one takes any form that numbers can have, where there are numbers.
-    straight = plan.enveloped or (loose and has_envelope(plan.output, plan.members))
-    if plan.closed is not None and not (loose and (straight or record.both)):
+    straight = plan.enveloped or (editable and has_envelope(plan.output, plan.members))
+    if plan.closed is not None and not (editable and (straight or record.both)):
         return CLOSED
     if record.both:
         return BOTH_LINES if straight else BOTH_PANELS

@@ -64,37 +64,37 @@ ROW = 8
 
 
 @kernel
-def integral_of_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def integral_of_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return area and moment of the aggregate of a point."""
-    area, torque, _, _ = integrate_all(k, f, room, heap, point, math.inf)
+    area, torque, _, _ = integrate_all(k, f, scratch, heap, point, math.inf)
     return area, torque
 
 
 @kernel
-def bisector_of_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def bisector_of_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the area, and where it is halved: in the middle, if on a stretch without area.
 
     Once through the panels for the area, once more for each end of that stretch, up to the panel
     where the sum reaches the share, which is then halved itself.
     """
-    area, _, _, _ = integrate_all(k, f, room, heap, point, math.inf)
+    area, _, _, _ = integrate_all(k, f, scratch, heap, point, math.inf)
     middle = 0.0
     if area > 0.0:
-        middle = reach(k, f, room, heap, point, (0.5 - SAME_HALF) * area)
-        middle = 0.5 * (middle + reach(k, f, room, heap, point, (0.5 + SAME_HALF) * area))
+        middle = reach(k, f, scratch, heap, point, (0.5 - SAME_HALF) * area)
+        middle = 0.5 * (middle + reach(k, f, scratch, heap, point, (0.5 + SAME_HALF) * area))
     return area, middle
 
 
 @kernel
-def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> float:
+def reach(k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float) -> float:
     """Return where the area from the left end on reaches a number."""
-    before, _, x_0, x_1 = integrate_all(k, f, room, heap, point, wanted)
+    before, _, x_0, x_1 = integrate_all(k, f, scratch, heap, point, wanted)
     # The panel in which the sum reaches it, halved: no formula of the aggregate is known.
     a, b = x_0, x_1
     if x_0 < x_1:
         for _ in range(HALVINGS):
             middle = 0.5 * (a + b)
-            if integral(k, f, room, heap, point, 0, x_0, middle, 0.0)[0] < wanted - before:
+            if integral(k, f, scratch, heap, point, 0, x_0, middle, 0.0)[0] < wanted - before:
                 a = middle
             else:
                 b = middle
@@ -103,17 +103,17 @@ def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> fl
 
 @kernel
 def integrate_all(
-    k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float
+    k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float
 ) -> tuple[float, float, float, float]:
     """Integrate a set of type 1, all of whose parts are on side 0, over the whole range."""
-    return integrate(k, f, room, heap, point, 0, -math.inf, math.inf, wanted)
+    return integrate(k, f, scratch, heap, point, 0, -math.inf, math.inf, wanted)
 
 
 @kernel
 def integrate(
     k: Any,
     f: Any,
-    room: Any,
+    scratch: Any,
     heap: Any,
     point: int,
     side: int,
@@ -143,7 +143,7 @@ def integrate(
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * k[WIDTH] + point]
+        height = scratch[group * k[WIDTH] + point]
         if height > 0.0 and k[consequent + SIDE] == side:
             strengths[k[consequent + MEMBER]] = height
             strongest = max(strongest, height)
@@ -163,12 +163,12 @@ def integrate(
         panel = stack + PANEL * (count - 2 - i)
         x_0, x_1 = heap[edges + i], heap[edges + i + 1]
         heap[panel], heap[panel + 1] = x_0, x_1
-        a, m = integral(k, f, room, heap, point, side, x_0, x_1, centre)
+        a, m = integral(k, f, scratch, heap, point, side, x_0, x_1, centre)
         heap[panel + 2], heap[panel + 3] = a, m
         heap[panel + 4] = constants[DEEPEST]
         area += heap[panel + 2]
     return halve(
-        k, f, room, heap, point, side, stack, count - 1, centre, 0.5 * (high - low), area, noise,
+        k, f, scratch, heap, point, side, stack, count - 1, centre, 0.5 * (high - low), area, noise,
         constants, wanted,
     )  # fmt: skip
 
@@ -235,7 +235,7 @@ def cross(k: Any, f: Any, stretch: int, strengths: Any, heap: Any, edges: int, c
 def halve(
     k: Any,
     f: Any,
-    room: Any,
+    scratch: Any,
     heap: Any,
     point: int,
     side: int,
@@ -261,8 +261,8 @@ def halve(
         x_0, x_1, a, m = heap[panel], heap[panel + 1], heap[panel + 2], heap[panel + 3]
         depth = heap[panel + 4]
         middle = 0.5 * (x_0 + x_1)
-        left_area, left_moment = integral(k, f, room, heap, point, side, x_0, middle, centre)
-        right_area, right_moment = integral(k, f, room, heap, point, side, middle, x_1, centre)
+        left_area, left_moment = integral(k, f, scratch, heap, point, side, x_0, middle, centre)
+        right_area, right_moment = integral(k, f, scratch, heap, point, side, middle, x_1, centre)
         allowed = constants[TOLERANCE] * (whole + a) + noise * (x_1 - x_0)
         agree = abs(a - left_area - right_area) <= allowed
         if abs(m - left_moment - right_moment) > allowed * half_range:
@@ -317,7 +317,7 @@ def next_float(x: float, way: float) -> float:
 def integral(
     k: Any,
     f: Any,
-    room: Any,
+    scratch: Any,
     heap: Any,
     point: int,
     side: int,
@@ -345,7 +345,7 @@ def integral(
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        height = room[group * width + point]
+        height = scratch[group * width + point]
         if height > 0.0 and k[consequent + SIDE] == side:
             begin = k[consequent + NUMBERS_AT]
             numbers = f[begin : begin + k[consequent + NUMBERS]]

@@ -41,7 +41,7 @@ class OutputLayout(NamedTuple):
     groups : tuple of int
         Indices by group: of its members where strengths are folded, else of its contributions.
     rows : int
-        Rows of the room that the caller fills: a strength for each group, or as it says.
+        Rows of scratch that the caller fills: a strength for each group, or as it says.
     samples : int
         Half of the floats that it works in behind these rows and the work rows.
     """
@@ -79,7 +79,7 @@ class _OneOutput:
 
     def __init__(self, plan: Plan, output: OutputPlan, addresses: Addresses) -> None:
         self.plan, self.output, self.addresses = plan, output, addresses
-        self.loose, self.alone = "", False
+        self.editable, self.point_only = "", False
         self.marks: list[TermNumbers] = []
         self.searches: list[SearchedMaxima] = []
         self.rules: Sequence[LaidRule] = ()

@@ -115,10 +115,10 @@ def karnik_mendel_values(block: Any) -> None:
 
     ``k[DETAIL]`` says how many pairs there are.
     """
-    k, f, room, total, moment = parts_of(block)
+    k, f, scratch, total, moment = parts_of(block)
     width = k[WIDTH]
     pairs = k[k[OUTPUT] + DETAIL]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    heap = scratch[(k[WORK] + WORK_ROWS) * width :]
     least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
     for point in range(total.shape[0]):
@@ -131,7 +131,7 @@ def karnik_mendel_values(block: Any) -> None:
         for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
             consequent = k[at + 1]
             at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-            height = room[group * width + point]
+            height = scratch[group * width + point]
             pair = k[consequent + PAIR]
             if k[consequent + PAIR_SIDE] == 1:
                 lower[pair] = height
@@ -150,7 +150,7 @@ def karnik_mendel_values(block: Any) -> None:
 
 
 @kernel
-def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def ends_of_values(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the greatest weight of a point, and the requested end.
 
     Of each pair there are four rows: upper and lower weight, and two values.
@@ -160,8 +160,8 @@ def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[fl
     strongest = value = 0.0
     for pair in range(pairs):
         row = (k[HEIGHTS] + PAIR_ROWS * pair) * k[WIDTH] + point
-        high, low = room[row], room[row + k[WIDTH]]
-        one, other = room[row + 2 * k[WIDTH]], room[row + 3 * k[WIDTH]]
+        high, low = scratch[row], scratch[row + k[WIDTH]]
+        one, other = scratch[row + 2 * k[WIDTH]], scratch[row + 3 * k[WIDTH]]
         strongest = max(strongest, high)
         upper[pair], lower[pair] = high, min(low, high)
         heap[pair], heap[pairs + pair] = min(one, other), max(one, other)
@@ -218,7 +218,7 @@ def value_of(block: Any, k: Any, f: Any, at: int, point: int) -> float:
 
 
 @kernel
-def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def ends_of_samples(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the greatest height of a point, and the requested end."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
@@ -229,7 +229,7 @@ def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[f
     for side in range(2):
         # Each side has a stretch of the heap of its own; `cut` is scratch.
         own = heap[side * samples : (side + 1) * samples]
-        begin, behind = sample(k, f, room, point, side, own, cut)
+        begin, behind = sample(k, f, scratch, point, side, own, cut)
         first, last = min(first, begin), max(last, behind)
     # A sample counts by its share of the integral: weights of the ends may be a half.
     strongest = 0.0
@@ -253,17 +253,17 @@ def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[f
 @kernel
 def nie_tan_samples(block: Any) -> None:
     """Add up the samples of both sets, point by point."""
-    k, f, room, total, moment = parts_of(block)
+    k, f, scratch, total, moment = parts_of(block)
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     positions = f[numbers : numbers + samples]
     weights = f[numbers + samples : numbers + 2 * samples]
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    heap = scratch[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     for point in range(total.shape[0]):
         total[point] = moment[point] = 0.0
         for side in range(2):
-            first, last = sample(k, f, room, point, side, aggregate, cut)
+            first, last = sample(k, f, scratch, point, side, aggregate, cut)
             area, torque = summed_up(aggregate, positions, weights, first, last)
             total[point] += area
             moment[point] += torque
@@ -273,7 +273,7 @@ def nie_tan_samples(block: Any) -> None:
 
 
 @kernel
-def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def ends_of_envelopes(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the area below both envelopes of a point, and the requested end."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     wanted = wanted_end(k, f)
@@ -283,7 +283,7 @@ def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple
     middle = behind = begin
     area = torque = lower_area = value = 0.0
     for side in range(2):
-        middle, behind = behind, envelop(k, f, room, point, side, heap, behind)
+        middle, behind = behind, envelop(k, f, scratch, point, side, heap, behind)
         lower_area, more = add_up(heap, middle, behind, centre)
         area, torque = area + lower_area, torque + more
     if area > 0.0:
@@ -298,14 +298,14 @@ def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple
 
 
 @kernel
-def sum_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def sum_of_envelopes(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return area and moment below both envelopes of a point."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     centre = 0.5 * (f[numbers] + f[numbers + 1])
     begin = k[k[OUTPUT] + DETAIL]
     behind = begin
     for side in range(2):
-        behind = envelop(k, f, room, point, side, heap, behind)
+        behind = envelop(k, f, scratch, point, side, heap, behind)
     return add_up(heap, begin, behind, centre)
 
 
@@ -313,7 +313,7 @@ def sum_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[
 
 
 @kernel
-def ends_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def ends_of_integrals(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the area of both sets of a point, and the requested end."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     wanted = wanted_end(k, f)
@@ -322,28 +322,28 @@ def ends_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple
     area = torque = lower_area = value = 0.0
     for side in range(2):
         lower_area, more, _, _ = integrate(
-            k, f, room, heap, point, side, -infinity, infinity, infinity
+            k, f, scratch, heap, point, side, -infinity, infinity, infinity
         )
         area, torque = area + lower_area, torque + more
     if area > 0.0:
         start = centre + torque / area
         left = right = 0.0
         if wanted <= 0.0:
-            left = reach_integral(k, f, room, heap, point, start, centre, lower_area, -1.0)
+            left = reach_integral(k, f, scratch, heap, point, start, centre, lower_area, -1.0)
         if wanted >= 0.0:
-            right = reach_integral(k, f, room, heap, point, start, centre, lower_area, 1.0)
+            right = reach_integral(k, f, scratch, heap, point, start, centre, lower_area, 1.0)
         value = value_of_ends(k, f, heap, left, right)
     return area, value
 
 
 @kernel
-def sum_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+def sum_of_integrals(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return area and moment of both sets of a point."""
     # (U + L) / 2 has the centroid of U + L, whose area and moment are sums: no third set.
     infinity = math.inf
     area = torque = 0.0
     for side in range(2):
-        a, m, _, _ = integrate(k, f, room, heap, point, side, -infinity, infinity, infinity)
+        a, m, _, _ = integrate(k, f, scratch, heap, point, side, -infinity, infinity, infinity)
         area, torque = area + a, torque + m
     return area, torque
 
@@ -352,7 +352,7 @@ def sum_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[
 def reach_integral(
     k: Any,
     f: Any,
-    room: Any,
+    scratch: Any,
     heap: Any,
     point: int,
     start: float,
@@ -363,7 +363,7 @@ def reach_integral(
     """Return an end of the centroid, as :func:`reach_end`."""
     infinity = math.inf
     if not lower_area > 0.0:
-        return last_integrated(k, f, room, heap, point, sign)
+        return last_integrated(k, f, scratch, heap, point, sign)
     c = start
     for _ in range(STEPS):
         area = torque = 0.0
@@ -372,7 +372,7 @@ def reach_integral(
             begin, end = c, infinity
             if i == 0:
                 begin, end = -infinity, c
-            a, m, _, _ = integrate(k, f, room, heap, point, side, begin, end, infinity)
+            a, m, _, _ = integrate(k, f, scratch, heap, point, side, begin, end, infinity)
             area, torque = area + a, torque + m
         following = centre + torque / area
         if not sign * (following - c) > 0.0:
@@ -382,14 +382,14 @@ def reach_integral(
 
 
 @kernel
-def last_integrated(k: Any, f: Any, room: Any, heap: Any, point: int, sign: float) -> float:
+def last_integrated(k: Any, f: Any, scratch: Any, heap: Any, point: int, sign: float) -> float:
     """Return the end of the support of the upper set: of the first or last panel with an area."""
     infinity = math.inf
     # Up to the panel where the area is more than nothing; for the right end up to the panel
     # where it is all there is, and once more from there on, as long as something is left.
     last, wanted = -infinity, (5e-324 if sign < 0.0 else infinity)
     for _ in range(STEPS):
-        area, _, x_0, x_1 = integrate(k, f, room, heap, point, 0, last, infinity, wanted)
+        area, _, x_0, x_1 = integrate(k, f, scratch, heap, point, 0, last, infinity, wanted)
         if sign < 0.0:
             return x_0
         if wanted < infinity:

@@ -19,7 +19,7 @@ from fuzzyarm.language.tokens import Cursor, Fault, name_text
 Values = dict[str, Any]
 """Fields read so far, by name."""
 
-_TIGHT = {",": "before", ":": "before", ")": "before", "(": "both", ".": "both"}
+_NO_SPACE = {",": "before", ":": "before", ")": "before", "(": "both", ".": "both"}
 """Marks without a blank on one side or both."""
 
 
@@ -29,26 +29,26 @@ class Printed:
     def __init__(self) -> None:
         self.columns = [""]
         self.breaks: tuple[str, Break] | None = None
-        self._tight = True
+        self._no_space = True
 
-    def add(self, text: str, tight: str = "") -> None:
-        """Add a word, after a blank unless it is `tight` ``before``, or ``both``."""
+    def add(self, text: str, no_space: str = "") -> None:
+        """Add a word, after a blank unless it is `no_space` ``before``, or ``both``."""
         if not text:
             return
-        blank = not self._tight and tight not in ("before", "both")
+        blank = not self._no_space and no_space not in ("before", "both")
         self.columns[-1] += f" {text}" if blank else text
-        self._tight = tight in ("both", "after")
+        self._no_space = no_space in ("both", "after")
 
     def column(self) -> None:
         """Begin another column."""
         self.columns.append("")
-        self._tight = True
+        self._no_space = True
 
     def break_off(self, how: Break) -> None:
         """Note that the line continues below if it is too long."""
         self.breaks = self.columns[-1], how
         self.columns[-1] = ""
-        self._tight = True
+        self._no_space = True
 
     @property
     def text(self) -> str:
@@ -119,11 +119,11 @@ class FixedText(Part):
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
-        line.add(self.text, _TIGHT.get(self.text, ""))
+        line.add(self.text, _NO_SPACE.get(self.text, ""))
 
     def sketch(self, line: Printed) -> None:
         """Return its notation."""
-        line.add(self.text, _TIGHT.get(self.text, ""))
+        line.add(self.text, _NO_SPACE.get(self.text, ""))
 
     def words(self) -> Iterator[tuple[str, str]]:
         """Yield its words of the language."""
@@ -374,7 +374,7 @@ class Phrase(Part):
         Value of the field without the phrase.
     words : mapping, optional
         Its words of the language.
-    tight : str, optional
+    no_space : str, optional
         ``before`` for no blank before it.
     """
 
@@ -388,10 +388,15 @@ class Phrase(Part):
         *,
         empty: Any = None,
         words: Mapping[str, str] | None = None,
-        tight: str = "",
+        no_space: str = "",
     ) -> None:
         self.field, self._read, self.label, self._show = field, read, label, show
-        self._mentions, self.empty, self._words, self.tight = mentions, empty, words or {}, tight
+        self._mentions, self.empty, self._words, self.no_space = (
+            mentions,
+            empty,
+            words or {},
+            no_space,
+        )
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -401,11 +406,11 @@ class Phrase(Part):
         """Print it."""
         value = getattr(node, self.field)
         if value is not None:
-            line.add(self._show(value), self.tight)
+            line.add(self._show(value), self.no_space)
 
     def sketch(self, line: Printed) -> None:
         """Return its notation."""
-        line.add(self.label, self.tight)
+        line.add(self.label, self.no_space)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""
@@ -457,7 +462,7 @@ class Several(Part):
         """Print it."""
         for index, item in enumerate(getattr(node, self.part.field)):
             if index:
-                line.add(self.between[0], _TIGHT.get(self.between[0], ""))
+                line.add(self.between[0], _NO_SPACE.get(self.between[0], ""))
             self.part.show(_Holder(node, self.part.field, item), line)
 
     def sketch(self, line: Printed) -> None:
@@ -577,8 +582,8 @@ class Maybe(_Together):
         """Return its notation."""
         inner = Printed()
         super().sketch(inner)
-        tight = _TIGHT.get(self.first, "")
-        line.add(f"[{''.join(inner.columns)}]", tight)
+        no_space = _NO_SPACE.get(self.first, "")
+        line.add(f"[{''.join(inner.columns)}]", no_space)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""

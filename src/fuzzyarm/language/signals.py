@@ -267,29 +267,29 @@ def read_options(cursor: Cursor, kinds: Mapping[str, OptionKind]) -> Given:
 def _read_option(cursor: Cursor, kinds: Mapping[str, OptionKind]) -> tuple[Word, Setting]:
     word = cursor.word(f"one of {', '.join(kinds)}", kinds, "unknown-option")
     kind = kinds[word]
-    if kind.takes == "words":
+    if kind.accepts == "words":
         for keyword in kind.rest:
             cursor.expect(keyword, f"after {word}")
         return word, True
-    if kind.takes == "time":
+    if kind.accepts == "time":
         # A filter's time constant is 1 / (2 pi f) of its cut-off frequency f.
         return word, read_time(cursor, f"the time of {word}", 0.5 / math.pi)
-    if kind.takes == "range":
+    if kind.accepts == "range":
         low = cursor.figure("the lower end", finite=False)
         cursor.expect("..", "between the ends of the range")
         return word, (low, cursor.figure("the upper end", finite=False))
-    if kind.takes == "windup":
+    if kind.accepts == "windup":
         if cursor.accept("hold"):
             return word, "hold"
         cursor.expect("back", f"or 'hold' after {word}")
         return word, read_time(cursor, "the time to go back in")
-    if kind.takes == "figure":
+    if kind.accepts == "figure":
         amount: Figure | Word = cursor.figure(f"a number after {word}")
     else:
         amount = read_number(cursor, f"the {word}")
     value: Setting = amount
     token = cursor.peek()
-    if kind.takes == "chosen":
+    if kind.accepts == "chosen":
         cursor.expect("where", f"after '{number_or_name(amount)}'")
         value = Chosen(amount, read_condition(cursor))
     elif kind.alike and isinstance(amount, Figure) and token and token.kind != "mark":
@@ -308,8 +308,8 @@ def _option_text(word: str, value: Setting, kind: OptionKind) -> str:
     if isinstance(value, tuple):
         return f"{word} {number_text(value[0])} .. {number_text(value[1])}"
     if isinstance(value, Time):
-        return f"{word} {'back ' if kind.takes == 'windup' else ''}{time_text(value)}"
-    if isinstance(value, bool) or kind.takes == "windup":
+        return f"{word} {'back ' if kind.accepts == 'windup' else ''}{time_text(value)}"
+    if isinstance(value, bool) or kind.accepts == "windup":
         return " ".join((word, *(kind.rest or ("hold",))))
     return f"{word} {number_or_name(value)}"
 
@@ -321,7 +321,7 @@ def names_in_options(
     for word, value in options:
         if isinstance(value, Chosen):
             yield from of_signals(value.names())
-        elif isinstance(value, str) and kinds[word].takes != "windup":
+        elif isinstance(value, str) and kinds[word].accepts != "windup":
             yield of_gain(value)
 
 

@@ -148,7 +148,7 @@ class OptionKind(NamedTuple):
 
     Attributes
     ----------
-    takes : str
+    accepts : str
         ``number`` (or the name of a gain), ``figure`` (a number), ``time`` (with a unit),
         ``range`` (``A .. B``), ``words`` (only the words in `rest`), ``windup``: ``hold``, or
         ``back TIME``; or ``chosen``: a signal, ``where``, and a condition.
@@ -166,7 +166,7 @@ class OptionKind(NamedTuple):
         Whether its time must be a whole number of control periods, at most `MOST_PERIODS`.
     """
 
-    takes: Literal["number", "figure", "time", "range", "words", "windup", "chosen"]
+    accepts: Literal["number", "figure", "time", "range", "words", "windup", "chosen"]
     doc: str
     rest: tuple[str, ...] = ()
     needed: bool = False
@@ -178,7 +178,7 @@ class OptionKind(NamedTuple):
     def example(self) -> str:
         """An example of the text after the word."""
         texts = {"time": "10 ms", "range": "-1 .. 1", "windup": "hold", "chosen": "e where e < 0.5"}
-        return " ".join(self.rest) or texts.get(self.takes, "0.5")
+        return " ".join(self.rest) or texts.get(self.accepts, "0.5")
 
 
 class SourceState(NamedTuple):
@@ -327,7 +327,7 @@ class SourceKind(Kind):
     @property
     def windup(self) -> str:
         """The option for a drive at its limit (anti-windup); empty if there is none."""
-        return next((word for word, kind in self.options.items() if kind.takes == "windup"), "")
+        return next((word for word, kind in self.options.items() if kind.accepts == "windup"), "")
 
     @property
     def joined(self) -> str:
@@ -341,11 +341,11 @@ class SourceKind(Kind):
         numbers: dict[str, str | float] = {}
         for word, kind in self.options.items():
             name, value = word.replace("-", "_"), options.get(word)
-            if kind.takes == "range":
+            if kind.accepts == "range":
                 # Without limits the update still needs both arguments: they are infinite.
                 ends = value if isinstance(value, tuple) else EVERYTHING
                 numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
-            elif kind.takes == "windup":
+            elif kind.accepts == "windup":
                 # An update computes with numbers alone: hold is -1, no valid time; 0 is no
                 # anti-windup.
                 numbers[name] = -1.0 if value == "hold" else _number(value)

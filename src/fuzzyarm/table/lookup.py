@@ -164,7 +164,7 @@ def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
 GRID_HEAD = 2
 """Numbers in front of the first input."""
 
-VALUES, ROOM, INPUTS = range(3)
+VALUES, SCRATCH, INPUTS = range(3)
 
 THRESHOLDS = 1
 """Offset of the thresholds of an input in a grid: the i-th one is the lower bound of index i."""
@@ -222,7 +222,7 @@ def looked_up(k: Any, s: Any, at: int, grid: int) -> float:
     """Return the value of a table, by cell or between the neighbouring levels."""
     values = k[at + VALUES]
     if s[grid + 1] == 0.0:
-        value: float = s[values + cell_index(k, s, at + INPUTS, grid, k[at + ROOM])]
+        value: float = s[values + cell_index(k, s, at + INPUTS, grid, k[at + SCRATCH])]
     else:
         value = interpolated(k, s, at, grid)
     return value
@@ -235,8 +235,8 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
     Room: the share of the way along each input, then the corners.
     """
     inputs = int(s[grid])
-    room = k[at + ROOM]
-    corners = room + inputs
+    scratch = k[at + SCRATCH]
+    corners = scratch + inputs
     # The corners' numbers are built up input by input: each doubles the list.
     s[corners] = 0.0
     found = 1
@@ -244,7 +244,7 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
     for i in range(inputs):
         count = int(s[axis])
         lower, share = neighbour(s, levels_at(axis, count), count, s[k[at + INPUTS + i]])
-        s[room + i] = share
+        s[scratch + i] = share
         upper = lower + (1 if count > 1 else 0)
         # In place, from the last corner: 2j and 2j + 1 are never below an unread j. Afterwards the
         # lowest bit of a corner's position is its side along this input.
@@ -260,7 +260,7 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
     for i in range(inputs - 1, -1, -1):
         found //= 2
         for j in range(found):
-            s[corners + j] = blend(s[corners + 2 * j], s[corners + 2 * j + 1], s[room + i])
+            s[corners + j] = blend(s[corners + 2 * j], s[corners + 2 * j + 1], s[scratch + i])
     value: float = s[corners]
     return value
 
@@ -271,9 +271,9 @@ def neighbour(numbers: list[float], levels: int, count: int, x: float) -> tuple[
     if count == 1:
         return 0, 0.0
     inside = clamp(x, numbers[levels], numbers[levels + count - 1])
-    inner, room = levels + 1, count - 2
-    lower = _count_smaller(numbers, inner, room, inside)
-    if lower < room and numbers[inner + lower] == inside:
+    inner, scratch = levels + 1, count - 2
+    lower = _count_smaller(numbers, inner, scratch, inside)
+    if lower < scratch and numbers[inner + lower] == inside:
         lower += 1  # on a level: it is the lower neighbour
     return lower, share_of_way(inside, numbers[levels + lower], numbers[levels + lower + 1])
 

@@ -45,6 +45,7 @@ from fuzzyarm.language.document import (
     parse_statements,
     print_document,
 )
+from fuzzyarm.language.foreign_syntax import as_meant
 from fuzzyarm.language.meaning import elaborate, judge_statement
 from fuzzyarm.language.model.rulebase import (
     AnyRuleBase,
@@ -57,7 +58,6 @@ from fuzzyarm.language.model.rulebase import (
 )
 from fuzzyarm.language.reading import Parsed, parse
 from fuzzyarm.language.rules import GridNode, RuleNode
-from fuzzyarm.language.slips import as_meant
 from fuzzyarm.language.statements import (
     BlockNode,
     EvenTermsNode,

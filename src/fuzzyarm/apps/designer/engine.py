@@ -120,12 +120,12 @@ def _tree(node: Node) -> Any:
 
 
 def numbers_of(
-    rulebase: RuleBase, functions: Functions | None = None, *, loose: str = ""
+    rulebase: RuleBase, functions: Functions | None = None, *, editable: str = ""
 ) -> dict[str, Any]:
     """Return the numbers of a rule base for an ``Engine``, fit for JSON."""
     functions = functions or Functions()
     evaluation_plan = plan(rulebase)
-    layout = lay_out(evaluation_plan, addresses=functions, loose=loose)
+    layout = lay_out(evaluation_plan, addresses=functions, editable=editable)
     return {
         "whole": _base64("i", layout.whole),
         "floats": _base64("d", layout.floats),

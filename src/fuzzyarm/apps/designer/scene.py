@@ -122,7 +122,7 @@ def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
     if middles and any(term.lower and is_value(term.lower) for term in output.terms):
         return None  # the number stored is the middle of two
     try:
-        return numbers_of(rulebase, loose=variable)
+        return numbers_of(rulebase, editable=variable)
     except NotCoveredError:
         return None
 

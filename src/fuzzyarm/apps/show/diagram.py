@@ -520,9 +520,9 @@ def option_words(source: Source) -> list[str]:
             words.append(f"{word} {number_text(value[0])} .. {number_text(value[1])}")
         elif value is True:
             words.append(" ".join((word, *kinds[word].rest)))
-        elif kinds[word].takes == "windup" and isinstance(value, float):
+        elif kinds[word].accepts == "windup" and isinstance(value, float):
             words.append(f"{word} back {time_text(value)}")
-        elif kinds[word].takes == "time" and isinstance(value, float):
+        elif kinds[word].accepts == "time" and isinstance(value, float):
             words.append(f"{word} {time_text(value)}")
         else:
             words.append(f"{word} {value if isinstance(value, str) else number_text(value)}")

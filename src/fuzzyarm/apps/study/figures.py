@@ -111,7 +111,7 @@ def chapter_of_controller(name: str) -> str:
     """Return the chapter of a controller, empty beyond the study."""
     if name in OWN or name not in CATALOGUE:
         return ""
-    if CATALOGUE[name].takes:
+    if CATALOGUE[name].accepts:
         return "6"
     return "5" if name.partition("+")[0] in {"acdid", "mrac", "dac"} else "4"
 

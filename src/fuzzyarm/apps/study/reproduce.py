@@ -346,7 +346,7 @@ def chaotic(row: PublishedRow) -> bool:
     row : PublishedRow
         Of the study's tables.
     """
-    return "table" in CATALOGUE[row.controller].takes
+    return "table" in CATALOGUE[row.controller].accepts
 
 
 def variants(row: PublishedRow) -> tuple[Variant, ...]:

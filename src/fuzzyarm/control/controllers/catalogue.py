@@ -138,7 +138,7 @@ class Entry:
         From a choice to the controller.
     adaptive : bool
         Whether warm and cold start differ.
-    takes : tuple of str
+    accepts : tuple of str
         Which of the :class:`Sources` it reads; none.
     note : str
         Where it must not be used; empty for most.
@@ -150,7 +150,7 @@ class Entry:
     summary: str
     make: Maker
     adaptive: bool = False
-    takes: tuple[str, ...] = ()
+    accepts: tuple[str, ...] = ()
     note: str = ""
     described: bool = False
 
@@ -352,7 +352,7 @@ class TextEntry:
         return self._model().description
 
     @property
-    def takes(self) -> tuple[str, ...]:
+    def accepts(self) -> tuple[str, ...]:
         """Which of the :class:`Sources` it reads."""
         return tuple(roles(self._model()))
 
@@ -567,8 +567,8 @@ def controller(
 def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sources) -> None:
     """Raise SourceError for a given source that no part of `name` uses."""
     for role_given in sources.given():
-        if not any(role_given in entry.takes for entry in entries):
-            accepted = sorted({role for entry in entries for role in entry.takes})
+        if not any(role_given in entry.accepts for entry in entries):
+            accepted = sorted({role for entry in entries for role in entry.accepts})
             hint = f"it takes {', '.join(accepted)}" if accepted else ""
             raise SourceError(f"{name} takes no {role_given} from a file", hint=hint)
 

@@ -724,9 +724,9 @@ class _Writer:
             return self._do(to.LOOK_UP_CELL, self.scratch, cell[1], place.values)
         linear = self.cells[grid + 1] != 0.0
         size = len(axes) + 2 ** len(axes) if linear else len(axes)
-        room = self._cell(*[0.0] * size)
+        scratch = self._cell(*[0.0] * size)
         self._do(to.LOOK_UP, self.scratch, 0, grid)
-        self._list(2, [place.values, room, *inputs])
+        self._list(2, [place.values, scratch, *inputs])
         return self.scratch
 
     def _write_learn(self, line: Learn) -> None:
@@ -826,7 +826,7 @@ def _interpreted_block(rulebase: RuleBase) -> KernelRuleBlock:
 
 def _rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
     try:
-        layout = lay_out(plan(rulebase), compiled=compiled, alone=True)
+        layout = lay_out(plan(rulebase), compiled=compiled, point_only=True)
     except NotCoveredError as error:
         raise SourceError(
             f"a controller cannot evaluate '{rulebase.name}' at every step: {error}",

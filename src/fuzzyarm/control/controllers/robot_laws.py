@@ -47,9 +47,9 @@ class JointMoment(NamedTuple):
         The control period, s.
     """
 
-    wanted: Vector
-    wanted_velocity: Vector
-    wanted_acceleration: Vector
+    setpoint: Vector
+    setpoint_velocity: Vector
+    setpoint_acceleration: Vector
     position: Vector
     velocity: Vector
     last: bool
@@ -58,12 +58,12 @@ class JointMoment(NamedTuple):
     @property
     def error(self) -> Vector:
         """Position error."""
-        return self.wanted - self.position
+        return self.setpoint - self.position
 
     @property
     def rate(self) -> Vector:
         """Velocity error."""
-        return self.wanted_velocity - self.velocity
+        return self.setpoint_velocity - self.velocity
 
 
 Numbers = Mapping[str, float]
@@ -93,22 +93,22 @@ def _pd(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector) ->
 def _computed_torque(
     model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
 ) -> Vector:
-    feedback = now.wanted_acceleration + _pd(model, now, k, memory)
+    feedback = now.setpoint_acceleration + _pd(model, now, k, memory)
     return model(now.position, now.velocity, feedback)
 
 
 def _feed_forward_inverse(
     model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
 ) -> Vector:
-    ahead = model(now.position, now.velocity, now.wanted_acceleration, now.wanted_velocity)
+    ahead = model(now.position, now.velocity, now.setpoint_acceleration, now.setpoint_velocity)
     return ahead + _pd(model, now, k, memory)
 
 
 def _critically_damped(
     model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
 ) -> Vector:
-    velocity = now.wanted_velocity + k["Lambda"] * now.error
-    acceleration = now.wanted_acceleration + k["Lambda"] * now.rate
+    velocity = now.setpoint_velocity + k["Lambda"] * now.error
+    acceleration = now.setpoint_acceleration + k["Lambda"] * now.rate
     ahead = model(now.position, now.velocity, acceleration, velocity)
     return ahead + k["K_D"] * (velocity - now.velocity)
 
@@ -116,7 +116,7 @@ def _critically_damped(
 def _pure_feed_forward(
     model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
 ) -> Vector:
-    ahead = model(now.wanted, now.wanted_velocity, now.wanted_acceleration)
+    ahead = model(now.setpoint, now.setpoint_velocity, now.setpoint_acceleration)
     error = now.error
     return ahead + _pd(model, now, k, memory) + k["sigma"] * (error @ error) * error
 
@@ -132,7 +132,7 @@ def _integral(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vect
 def _decentralised(model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector) -> Vector:
     # (5.6.10); memory: ∫ r s dt of each joint with s = 1, e, ė, θ̈d.
     r = k["p_2"] * now.error + k["p_3"] * now.rate
-    signals = np.stack([np.ones_like(r), now.error, now.rate, now.wanted_acceleration])
+    signals = np.stack([np.ones_like(r), now.error, now.rate, now.setpoint_acceleration])
     memory += r * signals * now.step
     gains = k["C"] * memory + k["k"] * np.abs(r) * r * signals
     return np.asarray((gains * signals).sum(axis=0))
@@ -142,13 +142,13 @@ def _model_reference(
     model: InverseDynamics, now: JointMoment, k: Numbers, memory: Vector
 ) -> Vector:
     # (5.5.11) to (5.5.15); memory: the matrices Δ₁, Δ₂ and Δv.
-    into = k["acceleration_in_v"] * now.wanted_acceleration
-    into = into + k["K_2"] * now.wanted_velocity + k["K_1"] * now.wanted
+    into = k["acceleration_in_v"] * now.setpoint_acceleration
+    into = into + k["K_2"] * now.setpoint_velocity + k["K_1"] * now.setpoint
     moved = into - k["K_1"] * now.position - k["K_2"] * now.velocity
     moved += memory[2] @ into - memory[0] @ now.position - memory[1] @ now.velocity
     still = np.zeros_like(moved)
     if k["inertia_times_u"] == 0.0:
-        model_torque = model(now.position, still, now.wanted_acceleration, now.wanted_velocity)
+        model_torque = model(now.position, still, now.setpoint_acceleration, now.setpoint_velocity)
         torque = k["unit_mass"] * moved + model_torque
     else:
         torque = model(now.position, still, moved, now.velocity)
@@ -226,7 +226,7 @@ class RobotLaw(Controller):
 
     def torques(self, now: JointMoment) -> Vector:
         """Return the torque of each joint; in a period without a measurement that of before."""
-        joints = len(now.wanted)
+        joints = len(now.setpoint)
         if self._memory is None or self._torque is None:
             self._memory, self._torque = np.zeros(self.law.memory(joints)), np.zeros(joints)
         if not any(np.isnan(part).any() for part in now[:5]):

@@ -126,7 +126,7 @@ _TARGET = Target(
     hidden="static ", unused="(void){};",
     function=("{public}{type} {name}({parameters})\n{{", "}\n"), remark="/* {} */",
     repeat="for ({type} {index} = 0u; {index} < {count}; {index}++) {{",
-    room="double {name}[{count}];", written="{}*",
+    scratch="double {name}[{count}];", written="{}*",
     count="for ({type} {index} = {start}; {index} {sign} {end}; {index} {way}= {step}) {{",
     whole_tuple="const double *const {name} = {value};",
 )  # fmt: skip

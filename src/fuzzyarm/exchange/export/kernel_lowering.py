@@ -6,8 +6,8 @@ that every language prints them as it prints all else.
 
 No language needs pointers or tuples for that. An array of the kernel is a *stretch* of one of three
 memories: where it begins and how long it is. The whole numbers and the floats of the layout are
-constants of the program; the room is an array that functions hand on. A function that returns
-several numbers leaves them in the last elements of the room.
+constants of the program; scratch is an array that functions hand on. A function that returns
+several numbers leaves them in the last elements of scratch.
 
 The tables are constants, so an element of them at a known index is a number, and a branch that
 depends on such numbers alone is decided here: an exported program has no choice that its rule base
@@ -24,7 +24,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fuzzyarm.exchange.export.kernel_values import KINDS, ROOM, Expressions, Stretch, Value, as_type
+from fuzzyarm.exchange.export.kernel_values import (
+    KINDS,
+    SCRATCH,
+    Expressions,
+    Stretch,
+    Value,
+    as_type,
+)
 from fuzzyarm.exchange.export.liveness import declared_first, read_in, set_in, without_unread
 from fuzzyarm.exchange.export.numbers import ExportError, stand_ins
 from fuzzyarm.exchange.export.sets import TABLE_HINT
@@ -41,8 +48,8 @@ from fuzzyarm.exchange.export.typed_program import (
     Leave,
     Line,
     Program,
-    Room,
     Run,
+    Scratch,
     Stop,
     Store,
     Truth,
@@ -65,15 +72,15 @@ MOST_PARTS = 4
 
 def walk_lines(walk: DefuzzifierWalk, parts: Sequence[Node], program: Program) -> list[Line]:
     """Return the statements that set total and value of a walk from its parts."""
-    room = f"{ROOM} of {walk.output}"
-    lines: list[Line] = [Room(room, walk.room + MOST_PARTS)]
-    lines += [Store(room, Whole(i, INDEX), part) for i, part in enumerate(parts)]
+    scratch = f"{SCRATCH} of {walk.output}"
+    lines: list[Line] = [Scratch(scratch, walk.scratch + MOST_PARTS)]
+    lines += [Store(scratch, Whole(i, INDEX), part) for i, part in enumerate(parts)]
     try:
         made = _Walk(walk, program).entry()
     except NotTranslatedError as error:
         raise ExportError(str(error), hint=TABLE_HINT) from None
-    lines.append(Run(made.key, (Handed(room),)))
-    found = (Element(room, Whole(walk.room + i, INDEX)) for i in range(2))
+    lines.append(Run(made.key, (Handed(scratch),)))
+    found = (Element(scratch, Whole(walk.scratch + i, INDEX)) for i in range(2))
     return [*lines, *map(Assign, (walk.total, walk.value), found)]
 
 
@@ -97,7 +104,7 @@ class _Walk:
     def memory(self, kind: Array) -> str:
         """Return the key of the array in which stretches of a kind lie."""
         if kind is Array.REALS:
-            return ROOM
+            return SCRATCH
         if kind is Array.WHOLES:
             return self.program.array(f"{self.walk.output}_table", self.kind, self.whole)
         return self.program.array(f"{self.walk.output}_numbers", REAL, self.floats)
@@ -105,13 +112,13 @@ class _Walk:
     def entry(self) -> _Lowered:
         """Lower the function for one point."""
         walk = self.walk
-        sizes = len(self.whole), len(self.floats), walk.room
+        sizes = len(self.whole), len(self.floats), walk.scratch
         kinds = Array.WHOLES, Array.CONSTANTS, Array.REALS
         given = [
             Value(Stretch(Whole(0), Whole(size)), kind, name)
-            for kind, size, name in zip(kinds, sizes, ("k", "f", ROOM), strict=True)
+            for kind, size, name in zip(kinds, sizes, ("k", "f", SCRATCH), strict=True)
         ]
-        heap = Stretch(Whole(walk.heap), Whole(walk.room - walk.heap))
+        heap = Stretch(Whole(walk.heap), Whole(walk.scratch - walk.heap))
         given += [Value(heap, Array.REALS, "heap"), Value(Whole(0), Scalar.WHOLE, "point")]
         return self.function(walk.function, given)
 
@@ -173,7 +180,7 @@ class _Lowered(Expressions):
         self.returned: Type = Nothing.NOTHING
         self.result: Node | None = None
         self.signature: list[tuple[int, str]] = []
-        self.uses_room = False
+        self.uses_scratch = False
         # How often each name is set: one that is set once to a constant is that constant.
         names = [node for node in ast.walk(self.source) if isinstance(node, ast.Name)]
         self.times_set = Counter(node.id for node in names if isinstance(node.ctx, ast.Store))
@@ -229,12 +236,12 @@ class _Lowered(Expressions):
         variables = {
             name: Variable(name.replace(" ", "_"), kind) for name, kind in self.kinds.items()
         }
-        body = [*declared_first(body, {*parameters, ROOM}, variables), *body]
-        room = Variable(ROOM, REAL, of_array=True, size=self.whole.walk.room + MOST_PARTS)
-        self.uses_room = ROOM in read
+        body = [*declared_first(body, {*parameters, SCRATCH}, variables), *body]
+        scratch = Variable(SCRATCH, REAL, of_array=True, size=self.whole.walk.scratch + MOST_PARTS)
+        self.uses_scratch = SCRATCH in read
         returned = KINDS[self.returned] if isinstance(self.returned, Scalar) else NOTHING
         self.program.function(self.key, Function(
-            stem, parameters | ({ROOM: room} if self.uses_room else {}), returned, body,
+            stem, parameters | ({SCRATCH: scratch} if self.uses_scratch else {}), returned, body,
             {key: each for key, each in variables.items() if key not in parameters},
             of_kernel=True,
         ))  # fmt: skip
@@ -255,7 +262,7 @@ class _Lowered(Expressions):
                 getattr(value.content, part) if part
                 else as_type(value, self.types[self.parameters[number]])
             )  # fmt: skip
-        return (*passed, Handed(ROOM)) if self.uses_room else tuple(passed)
+        return (*passed, Handed(SCRATCH)) if self.uses_scratch else tuple(passed)
 
     def run(self, values: Sequence[Value]) -> list[Line]:
         """Return the statement that calls it."""
@@ -304,10 +311,10 @@ class _Lowered(Expressions):
         if any(_reads(part, place) for part in found for place in places):
             found = [self.named(Value(part, Scalar.REAL)).content for part in found]
         pairs = zip(places, found, strict=True)
-        return [*(Store(ROOM, place.index, part) for place, part in pairs), Leave()]
+        return [*(Store(SCRATCH, place.index, part) for place, part in pairs), Leave()]
 
     def _result(self, number: int) -> Element:
-        return Element(ROOM, Whole(self.whole.walk.room + number, INDEX))
+        return Element(SCRATCH, Whole(self.whole.walk.scratch + number, INDEX))
 
     def _assign(self, node: ast.Assign) -> list[Line]:
         if len(node.targets) == 1:
@@ -331,7 +338,7 @@ class _Lowered(Expressions):
                 self.named(part)
                 if isinstance(part.type, Scalar) and (
                     {n.id for n in ast.walk(each) if isinstance(n, ast.Name)} & written
-                    or (stores and any(isinstance(n, Element) and n.array == ROOM
+                    or (stores and any(isinstance(n, Element) and n.array == SCRATCH
                                        for n in every_node([part.content])))
                 )
                 else part

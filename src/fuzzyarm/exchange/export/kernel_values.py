@@ -84,7 +84,7 @@ def both(a: Node, b: Node, *, is_and: bool) -> Node:
     return a & b if is_and else a | b
 
 
-ROOM = "room"
+SCRATCH = "scratch"
 
 KINDS = {Scalar.TRUTH: TRUTH, Scalar.WHOLE: PLACE, Scalar.REAL: REAL}
 _OPERATIONS = {
@@ -428,7 +428,7 @@ def as_type(value: Value, type_: Type) -> Node:
 
 
 def from_real(element: Element, type_: Type) -> Node:
-    """Return an element of the room as a number of some type."""
+    """Return an element of the scratch array as a number of some type."""
     return element if type_ is Scalar.REAL else Cast(element, REAL, KINDS[Scalar(type_)])
 
 

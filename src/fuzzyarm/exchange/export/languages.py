@@ -170,7 +170,7 @@ PYTHON = Target(
     member="self.{}", private="_{}", late="{name}=False", quotient="{} // {}",
     function=("def {name}({parameters}):", ""), when="if {}:", otherwise="else:", loop="while {}:",
     repeat="for {index} in range({count}):", end="", remark="# {}",
-    room='{name} = array("d", bytes(8 * {count}))', left="return{}", stop="break", run="{}",
+    scratch='{name} = array("d", bytes(8 * {count}))', left="return{}", stop="break", run="{}",
     count="for {index} in range({start}, {end}, {signed}):",
     flawed_floats=True, helpers=("checked",),
     checked=('{0} = _checked({0}, "{0}")', _PYTHON_CHECK),
@@ -285,7 +285,7 @@ JAVASCRIPT = Target(
     member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
     function=("{public}function {name}({parameters}) {{", "}\n"),
     repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
-    room="const {name} = new Float64Array({count});",
+    scratch="const {name} = new Float64Array({count});",
     count="for (let {index} = {start}; {index} {sign} {end}; {index} {way}= {step}) {{",
     helpers=("checked", *(name for name, _ in _JAVASCRIPT_HELPERS.values())),
     checked=('checked({0}, "{0}");', """const checked = (value, name) => {
@@ -402,7 +402,7 @@ RUST = Target(
     array_argument="&[{}]", argument="&{}", cast_binds=8,
     function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
     when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
-    room="let mut {name} = [0.0f64; {count}];", lent="&mut {}", written="&mut [{}]",
+    scratch="let mut {name} = [0.0f64; {count}];", lent="&mut {}", written="&mut [{}]",
     helpers=("least", "greatest", "absolute"),
 )  # fmt: skip
 

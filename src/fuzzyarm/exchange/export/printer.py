@@ -31,8 +31,8 @@ from fuzzyarm.exchange.export.typed_program import (
     Quotient,
     Repeat,
     Return,
-    Room,
     Run,
+    Scratch,
     Search,
     SelfTest,
     Stepped,
@@ -106,7 +106,7 @@ class Target:
         The statement that marks a parameter as unused, where a compiler needs one.
     refused : re.Pattern, optional
         Names that are macros where the file is included.
-    room, lent, written : str
+    scratch, lent, written : str
         The statement that makes an array of floats; how it is handed over; the type of a parameter
         that is one.
     count : str
@@ -163,7 +163,7 @@ class Target:
     whole_tuple: str = "const {name} = {value};"
     helpers: tuple[str, ...] = ()
     flawed_floats: bool = False
-    room: str = ""
+    scratch: str = ""
     lent: str = "{}"
     written: str = ""
     count: str = ""
@@ -478,8 +478,8 @@ class FunctionPrinter:
     def _stopped(self, _line: Stop) -> list[str]:
         return [self.target.stop]
 
-    def _made(self, line: Room) -> list[str]:
-        return [self.target.room.format(name=self.rename[line.name], count=line.size)]
+    def _made(self, line: Scratch) -> list[str]:
+        return [self.target.scratch.format(name=self.rename[line.name], count=line.size)]
 
     def _run(self, line: Run) -> list[str]:
         return [self.target.run.format(self._called(Called(line.function, line.arguments), 0))]
@@ -569,7 +569,7 @@ class FunctionPrinter:
     _LINES: ClassVar[Mapping[type, str]] = {
         Assign: "_assigned", Choose: "_branches", When: "_branches", Return: "_returned",
         Store: "_stored", Repeat: "_repeated", While: "_looped", Stepped: "_stepped",
-        View: "_viewed", Count: "_counted", Stop: "_stopped", Room: "_made", Run: "_run",
+        View: "_viewed", Count: "_counted", Stop: "_stopped", Scratch: "_made", Run: "_run",
         Leave: "_left",
     }  # fmt: skip
     _LEAVES: ClassVar[Mapping[type, Callable[[Any, Any, int], str]]] = {
@@ -598,7 +598,7 @@ def _set_in(body: Sequence[Line]) -> list[str]:
             names += branches
         elif isinstance(line, When):
             names += [*_set_in(line.then), *_set_in(line.otherwise)]
-        elif isinstance(line, Room):
+        elif isinstance(line, Scratch):
             names.append(line.name)
         elif isinstance(line, Stepped):
             names += line.targets

@@ -146,7 +146,7 @@ class DirectRoutine:
         names = {*self.listing.variables, *self.program.symbols}
         size = np.dtype(self.precision.inside).itemsize
         walks = list(self.program.walks)
-        stack = size * (len(names) + sum(walk.room for walk in walks))
+        stack = size * (len(names) + sum(walk.scratch for walk in walks))
         methods = (str(self.rulebase.output(walk.output).defuzzifier) for walk in walks)
         unbounded = " and ".join(dict.fromkeys(methods))
         return CallCost(tuple(sorted(counted.items())), stack, unbounded)

@@ -49,8 +49,8 @@ from fuzzyarm.exchange.export.typed_program import (
     Quotient,
     Repeat,
     Return,
-    Room,
     Run,
+    Scratch,
     Search,
     Stop,
     Store,
@@ -150,7 +150,7 @@ class _Flattening:
             return When(self._value(line.condition), then, otherwise, getattr(line, "remark", ""))
         if isinstance(line, Store):
             return Store(line.array, self._value(line.position), self._value(line.value))
-        if isinstance(line, Run | Leave | Stop | Room):  # of kernels, where nothing chooses
+        if isinstance(line, Run | Leave | Stop | Scratch):  # of kernels, where nothing chooses
             return line
         assert isinstance(line, Repeat | While | Count)
         return line._replace(body=tuple(self.lines(line.body)))
@@ -596,8 +596,8 @@ class _Unit(FunctionPrinter):
             name: (arrays[name].kind, size) for name, size in self.file.lent[key].items()
         }
 
-    def _made(self, line: Room) -> list[str]:
-        """Declare the room of a walk, and the constants that its functions are handed."""
+    def _made(self, line: Scratch) -> list[str]:
+        """Declare the scratch array of a walk, and the constants that its functions are handed."""
         self.sections["VAR"].append(
             f"    {self._new_array(line.name)} : {self.file.array_type(np.float64, line.size)};"
         )

@@ -200,7 +200,7 @@ class Stop(NamedTuple):
     """Leave the innermost loop."""
 
 
-class Room(NamedTuple):
+class Scratch(NamedTuple):
     """Make an array of floats that functions write into."""
 
     name: str

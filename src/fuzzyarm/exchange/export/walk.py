@@ -112,7 +112,7 @@ class DefuzzifierWalk:
     output : str
         The output.
     parts : tuple of Node
-        The rows of the room, in order: strengths, and values where there are some.
+        The rows of the scratch array, in order: strengths, and values where there are some.
     """
 
     total: str
@@ -141,7 +141,7 @@ class DefuzzifierWalk:
         return self.layout.program.function
 
     @property
-    def room(self) -> int:
+    def scratch(self) -> int:
         """How many floats a call works in."""
         return self.layout.rows + at.WORK_ROWS + 2 * self.layout.samples
 
@@ -155,7 +155,7 @@ class DefuzzifierWalk:
         """Estimated number of heights of sets evaluated at one point."""
         # An export is compared at fewer points the more there are; interpreted, each takes a
         # hundred times as long.
-        count = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.room
+        count = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.scratch
         return count * max(1, len(self.layout.groups)) * (1 if has_machine_code() else 100)
 
     @property
@@ -186,19 +186,19 @@ class DefuzzifierWalk:
         return {self.total: total.reshape(shape), self.value: value.reshape(shape)}
 
     def _some(self, rows: Sequence[Array], points: int) -> tuple[Array, Array]:
-        # A block as in `inference.block`, without inputs: whole numbers, floats, the room. In the
-        # room the strengths, a row each; then total and moment among the rows to work in; then the
+        # A block as in `inference.block`, without inputs: whole numbers, floats, scratch. Scratch
+        # has the strengths, a row each; then total and moment among the rows to work in; then the
         # heap, for one point, since the kernel goes from point to point.
         layout, defuzzify = self._in_memory
         whole, floats = len(layout.whole), len(layout.floats)
-        room = (layout.rows + at.WORK_ROWS) * points + 2 * layout.samples
-        block = np.zeros(whole + floats + room)
+        scratch = (layout.rows + at.WORK_ROWS) * points + 2 * layout.samples
+        block = np.zeros(whole + floats + scratch)
         # One block holds all: whole numbers, each in the place of a float; the floats; and the
-        # room in rows, a number for each point, of which the first are the parts.
+        # scratch in rows, a number for each point, of which the first are the parts.
         k = block.view(np.int64)
         k[:whole] = layout.whole
         k[at.POINTS] = k[at.WIDTH] = k[at.COUNT] = points
-        k[at.FLOATS], k[at.ROOM], k[at.COLUMNS] = whole, whole + floats, block.size
+        k[at.FLOATS], k[at.SCRATCH], k[at.COLUMNS] = whole, whole + floats, block.size
         block[whole : whole + floats] = layout.floats
         for index, row in enumerate(rows):
             begin = whole + floats + index * points

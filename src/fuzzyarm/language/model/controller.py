@@ -228,7 +228,7 @@ class Source:
         """Yield the gains that its options name."""
         kinds = self.record.options
         for word, value in self.options:
-            if isinstance(value, str) and word in kinds and kinds[word].takes == "number":
+            if isinstance(value, str) and word in kinds and kinds[word].accepts == "number":
                 yield value
 
     def others(self) -> Iterator[str]:

@@ -19,7 +19,7 @@ from fuzzyarm.base.names import near_hint, shortened
 from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.base.value_kinds import RULE_BASE, wrong_kind
-from fuzzyarm.language.model.questions import Questions, new_or_begun, of_builder
+from fuzzyarm.language.model.rulebase_methods import RuleBaseMethods, new_or_begun, of_builder
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, DefuzzifierKind
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
@@ -608,7 +608,7 @@ class Tuning:
     kept: tuple[tuple[str, str], ...] = ()
 
 
-class AnyRuleBase(Questions):
+class AnyRuleBase(RuleBaseMethods):
     """A rule base: the immutable value of a file, or one under construction.
 
     Loading a file gives the value (:class:`fuzzyarm.RuleBase`), Python builds one statement by

@@ -535,7 +535,7 @@ def _setting_words(of: Source, word: str, value: Setting) -> str:
         return chosen_text(value)
     if isinstance(value, tuple):
         return " .. ".join(f"{end:g}" for end in value)
-    seconds = isinstance(value, float) and of.record.options[word].takes in ("time", "windup")
+    seconds = isinstance(value, float) and of.record.options[word].accepts in ("time", "windup")
     return f"{value:g} s" if seconds else str(value)
 
 

@@ -18,7 +18,7 @@ from fuzzyarm.base.shown import Shown
 from fuzzyarm.base.value_kinds import RULE_BASE, OfKind
 
 
-class Questions(Shown, OfKind):
+class RuleBaseMethods(Shown, OfKind):
     """The methods of every object with a `model`: the value of a rule base."""
 
     __slots__ = ()
