@@ -94,7 +94,7 @@ class Engine {
     const { whole, floats, data } = this;
     const [inputs, outputs] = [whole[INPUTS], whole[OUTPUTS]];
     const lengths = [
-      [FLOATS, whole.length], [ROOM, floats.length],
+      [FLOATS, whole.length], [SCRATCH, floats.length],
       [COLUMNS, data.rows * points + 2 * data.samples], [RESULTS, inputs * points],
       [ORDERED, outputs * points], [ORDER, inputs * points], [ENDS, 2 * points],
       [SIZE, data.programs + 2],
@@ -107,7 +107,7 @@ class Engine {
     let end = 0;
     for (const [name, length] of lengths) k[name] = end += length;
     block.set(floats, k[FLOATS]);
-    block.fill(1, k[ROOM] + ONES * points, k[ROOM] + (ONES + 1) * points);
+    block.fill(1, k[SCRATCH] + ONES * points, k[SCRATCH] + (ONES + 1) * points);
     if (this.blocks.size > 3) this.blocks.clear();
     this.blocks.set(points, block);
     return block;
@@ -179,8 +179,8 @@ class Engine {
     k[PROGRAM] = 0;
     const outputs = this.many(values.map((value) => [value])).map(([value]) => value); // row by row: it notes its program
     if (!k[PROGRAM]) return null;
-    const f = block.subarray(k[FLOATS], k[ROOM]);
-    const room = block.subarray(k[ROOM], k[COLUMNS]);
+    const f = block.subarray(k[FLOATS], k[SCRATCH]);
+    const scratch = block.subarray(k[SCRATCH], k[COLUMNS]);
     const strengths = new Float64Array(this.data.rules);
     const row = new Float64Array(1);
     let at = k[PROGRAM] + 2 * k[INPUTS];
@@ -192,7 +192,7 @@ class Engine {
         let rules = k[at];
         at += GROUP_HEAD;
         for (; rules > 0; rules--) {
-          fire(k, f, room, at, row);
+          fire(k, f, scratch, at, row);
           strengths[(k[at + 1] - this.data.weights) / 2] = row[0];
           at += RULE_HEAD + k[OPERANDS];
         }

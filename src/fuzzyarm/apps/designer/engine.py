@@ -198,7 +198,7 @@ def _constants() -> str:
     """Return the positions in a block, by name."""
     # Positions for engine.js; the translated kernel has the numbers themselves in its text.
     names = (
-        "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
+        "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS SCRATCH COLUMNS RESULTS"
         " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"
         " TRUTH_HEAD ONES PROGRAM FLOATS_AT DETAIL OUTPUT_RANGE"
     )
