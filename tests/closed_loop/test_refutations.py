@@ -462,3 +462,32 @@ def test_a_start_that_may_keep_a_parameter_has_no_interval_of_it(tmp_path, start
     found = proved(proportional(tmp_path, 1.0), claim, plant)
     assert (found.verdict == "undecided" and "by its name" in found.reason) is refused
     assert (found.verdict == "proved") is not refused
+
+
+BY_A_SWITCH = """
+controller c
+period 50 ms
+axis lag
+  e = error of y
+  n = e * -1
+  r = MEMORY
+  k = e where r < 0.5 else n
+  drive u = k
+"""
+
+
+@pytest.mark.parametrize(
+    "memory", ["relay of e, width 0.4, levels 0 .. 1", "hysteresis of e, width 0.4"]
+)
+def test_a_loop_is_not_refuted_at_a_rest_to_which_its_memory_does_not_come(tmp_path, memory):
+    """A relay rests at either level, and begins low: the law of its high one was refuted."""
+    plant = plant_file(tmp_path, LAG.replace("RATE", "u[0]"))
+    path = tmp_path / "switch.frb"
+    path.write_text(BY_A_SWITCH.replace("MEMORY", memory))
+    assert proved(load_controller(path), "stable from y in -0.1 .. 0.1", plant).verdict != "refuted"
+    inside = "from y in -0.1 .. 0.1: y in -0.03 .. 0.03 during 2 .. 2.5 s"
+    assert proved(load_controller(path), inside, plant).verdict == "proved"
+    path.write_text(
+        BY_A_SWITCH.replace("r = MEMORY", "r = n").replace("e where r < 0.5 else n", "n * 1")
+    )
+    assert proved(load_controller(path), "stable", plant).verdict == "refuted"

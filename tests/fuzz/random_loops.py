@@ -823,6 +823,7 @@ def judge_tube(bench: Bench) -> None:
     try:
         claim = LoopClaim(
             "own.py",
+            stable=True,
             start=_rows_of(box),
             parameters=_rows_of(parameters),
             at=tuple(bench.loop.set_point.items()),

@@ -31,7 +31,7 @@ from fuzzyarm.proof.check.certificate import (
     sensors_by_name,
 )
 from fuzzyarm.proof.check.checking import region_lines
-from fuzzyarm.proof.check.loop import CheckedLoop, checked_loop
+from fuzzyarm.proof.check.loop import CheckedLoop, System, checked_loop
 from fuzzyarm.proof.check.region import refutation, verified
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.claim.identity import loop_digests
@@ -418,12 +418,21 @@ class _Case:
             form = form_at_rest(self.maker)
             assert form.evidence is not None
             loop = checked_loop(problem, form.names, form.evidence, surfaces=self.surfaces)
+            if _keeps_memory(loop, len(problem.states)):  # runs may come to another rest
+                return None
             least = growth(loop, Stop(min(EIGENVALUES, self.stop.left)))
         except (FuzzyarmError, EnclosureError):
             return None
         times = outward_text(least, up=False, digits=6)
         grows = f"next to rest a deviation grows at least {times} times per period"
         return self._said(REFUTED, evidence=(grows,)) if least else None
+
+
+def _keeps_memory(loop: System, states: int) -> bool:
+    """Tell whether a memory stays next to rest at any value, as a relay does."""
+    return any(
+        all(x == (i == k) for k, x in enumerate(loop.move[i])) for i in range(states, loop.size)
+    )
 
 
 def _own_start(problem: LoopProblem) -> tuple[str, ...]:
