@@ -297,18 +297,17 @@ def test_an_interrupted_map_of_an_odd_loop_counts_each_box_once(
     controller, plant = tipping
     journal = tmp_path / "map.csv"
     asked: dict[str, Any] = {
-        "plant": str(plant), "map": True, "over": "x in -3 .. 3, w in -1 .. 1", "budget": 15.0
+        "plant": str(plant), "map": True, "over": "x in -3 .. 3, w in -1 .. 1", "budget": 8.0
     }  # fmt: skip
     whole = fuzzyarm.prove(controller, **asked, resume=str(journal))
     lines = journal.read_text().splitlines(keepends=True)
     halves = [fuzzyarm.prove(controller, **asked, workers=2)]
-    for share in (3, 2):  # as interruptions leave the journal
-        journal.write_text("".join(lines[: len(lines) // share]))
-        halves.append(fuzzyarm.prove(controller, **asked, resume=str(journal)))
+    journal.write_text("".join(lines[: len(lines) // 2]))  # as an interruption leaves it
+    halves.append(fuzzyarm.prove(controller, **asked, resume=str(journal)))
     for found in (whole, *halves):
         proved = [box for box in found.boxes if box.verdict == "proved"]
         assert max(max(-box.low[0], box.high[0]) for box in proved) <= 1.0
-        assert 0.3 < found.share("proved") <= 1.0 / 3.0
+        assert 0.2 < found.share("proved") <= 1.0 / 3.0
 
 
 def test_a_map_is_of_one_value_of_each_parameter(tipping: tuple[Path, Path]) -> None:

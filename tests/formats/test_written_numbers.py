@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from budget import cases, crossed
+from budget import cases, crossed, part
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from needs import CORPUS, requires
@@ -131,7 +131,7 @@ def test_what_is_written_without_a_warning_keeps_its_numbers(
 @requires("corpus")
 @pytest.mark.parametrize(("suffix", "program"), TARGETS)
 def test_so_do_other_peoples_files(suffix: str, program: str | None) -> None:
-    for path in OTHERS:
+    for path in part(OTHERS, 2):
         check_written(path, suffix, program)
 
 

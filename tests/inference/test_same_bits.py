@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from budget import cases
+from budget import cases, part
 from needs import CORPUS, requires
 
 import fuzzyarm
@@ -112,8 +112,8 @@ def test_c_agrees_on_shipped_rule_bases(name: str, tmp_path: Path) -> None:
 @pytest.mark.slow
 @requires("corpus")
 def test_engines_agree_on_rule_files_of_others() -> None:
-    compared = 0
-    for path in FOREIGN:
+    compared, files = 0, part(FOREIGN, 4)
+    for path in files:
         try:
             rulebase = silent(fuzzyarm.load(path))
             columns = points(rulebase, cases(1_000, 100_000))
@@ -122,7 +122,7 @@ def test_engines_agree_on_rule_files_of_others() -> None:
             continue
         demand_same_bits(rulebase, columns, 25)
         compared += 1
-    assert compared > 120
+    assert compared > 0.6 * len(files)
 
 
 # ── where a rounding decides ─────────────────────────────────────────────────────────
