@@ -17,6 +17,7 @@ from fuzzyarm.apps.show.sector import controller_sectors, rulebase_sectors, sect
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant import find_plant
 from fuzzyarm.proof.map import NoSectorError, Prover, UnprovableError, sector, slopes_at
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 
@@ -387,3 +388,37 @@ def test_no_drive_is_proved_that_may_not_be_a_number(
     assert ("no rule fires at e = 0" in proof.hole) != proved
     assert main(["prove", str(path), "--sector"]) == (0 if proved else 4)
     assert ("(proved)" in capsys.readouterr().out) == proved
+
+
+OF_ANOTHER_AXIS = """controller c
+use r from "r.frb"
+period 50 ms
+gain big = 1
+axis outer
+  e = error of y
+  s = e * e
+  m = s * -1
+  z = s + m
+  k = big where z > 5 else 0.1
+axis inner
+  d = MORE
+  drive u = d, within -0.5 .. 0.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "reached"),
+    [("outer.k * 1", "open"), ("outer.k + 2", "yes"), ("rules r(outer.k, outer.e)", "open")],
+)
+def test_a_drive_of_signals_of_another_axis_has_a_report(tmp_path, more, reached):
+    """The first is 0.1 always: the middle of what is known of it was taken for a value."""
+    (tmp_path / "r.frb").write_text(RULES.format("NS", "PS"))
+    (tmp_path / "c.frb").write_text(OF_ANOTHER_AXIS.replace("MORE", more))
+    (tmp_path / "p.py").write_text(
+        "from fuzzyarm.plant import Plant, Port\nclass P(Plant):\n    axis = 'inner'\n"
+        "    inputs = {'u': Port('V')}\n    outputs = {'y': Port('m', -2, 2)}\n"
+        "    states = {'y': 'm'}\n    def derivative(self, t, x, u, p):\n        return [u[0]]\n"
+    )
+    controller = fuzzyarm.load_controller(tmp_path / "c.frb")
+    (drive,) = prove_drives(controller, find_plant(f"{tmp_path / 'p.py'}:P"))
+    assert drive.reached == reached

@@ -92,7 +92,7 @@ def _limit_lines(proof: DriveProof) -> list[str]:
     if proof.reached == "open":
         return [f"  whether its {limits} are reached is open: within {free} without them"]
     at = ", ".join(f"{name} = {_number(x)}" for name, x in proof.at.items())
-    return [f"  its {limits} are reached, at {at}"]
+    return [f"  its {limits} are reached" + f", at {at}" * bool(at)]
 
 
 def _gain_lines(proof: DriveProof) -> list[str]:

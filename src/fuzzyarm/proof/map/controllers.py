@@ -343,23 +343,30 @@ class _AxisCase:
             ]
         near = LIKE_EXPECT * max(abs(limits.low), abs(limits.high))  # touched is reached
         for point in points:
-            value = self.value_at(port, point)
-            if value >= limits.high - near or value <= limits.low + near:
+            value = self._drive_at(port, point)
+            if value.low >= limits.high - near or value.high <= limits.low + near:
                 return "yes", point
         return "open", {}
 
     def value_at(self, port: str, point: Mapping[str, float], *, limited: bool = False) -> float:
         """Return a drive at a point of its sources, by inference."""
+        value = self._drive_at(port, point, limited=limited)
+        return 0.5 * value.low + 0.5 * value.high
+
+    def _drive_at(
+        self, port: str, point: Mapping[str, float], *, limited: bool = False
+    ) -> Interval:
+        """Return the same; a signal of another axis has its range."""
         self.lines.only_values = True
         try:
             at = {name: Interval(x, x) for name, x in point.items()}
-            total = 0.0
+            low = high = 0.0
             for line, law in LineWalk(self.lines, Asked(at, {})).run().drives[port]:
                 interval = law.at
                 if limited and line.within is not None:
                     interval = clipped(interval, Interval(*line.within))
-                total += 0.5 * interval.low + 0.5 * interval.high
-            return total
+                low, high = low + interval.low, high + interval.high
+            return Interval(low, high)
         finally:
             self.lines.only_values = False
 

@@ -274,12 +274,16 @@ def slopes_at(prover: Prover, point: Mapping[str, float]) -> Slopes:
     Raises
     ------
     UnprovableError
-        If the rule base is not made of straight pieces, the point lies outside the ranges, no
-        rule fires there, or the output jumps.
+        If the rule base is not made of straight pieces, an input is not a number, the point lies
+        outside the ranges, no rule fires there, or the output jumps.
     """
     prover.demand_pieces("slopes at a point")
     assert prover.model is not None
-    at = [Fraction(point.get(name, 0.0)) for name in prover.names]
+    values = {name: point.get(name, 0.0) for name in prover.names}
+    for name, x in values.items():
+        if not math.isfinite(x):
+            raise UnprovableError(f"'{name}' has no single value there")
+    at = [Fraction(x) for x in values.values()]
     whole = prover.box({v.name: _finite(v.low, v.high) for v in prover.rulebase.inputs})
     if not all(low <= x <= high for x, (low, high) in zip(at, whole, strict=True)):
         raise UnprovableError(f"{_words(prover, at)} is out of range")
