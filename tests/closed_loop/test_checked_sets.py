@@ -77,6 +77,17 @@ def test_a_division_by_an_interval_around_zero_is_known_of_the_others() -> None:
         assert found.high[1] > 0.5
 
 
+def test_ends_go_at_least_as_far_as_the_next_float() -> None:
+    exponents = np.arange(-1074.0, 1024.0)
+    x = np.concatenate([[0.0], 2.0**exponents, 1.9 * 2.0 ** exponents[:-1], (2.0**exponents) * 1.1])
+    x = x[np.isfinite(x)]
+    for ends in (x, -x):
+        total = Spans(ends, ends) + 0.0
+        assert (total.low <= np.nextafter(ends, -np.inf)).all()
+        assert (total.high >= np.nextafter(ends, np.inf)).all()
+        assert (total.high - ends <= 2.0**-51 * np.abs(ends) + 2e-300).all()
+
+
 def test_products_of_matrices_hold_those_of_rationals() -> None:
     generator = np.random.default_rng(3)
     for _ in range(cases(5, 100)):

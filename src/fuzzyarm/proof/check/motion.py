@@ -145,12 +145,12 @@ def around_motion(
     Of many: NaN where none was found.
     """
     equations = problem.equations
-    whole = between(ZERO, exact(problem.period) if time is None else time)
+    h = exact(problem.period) if time is None else time
 
     def moved(box: Mapping[str, Number]) -> dict[str, Number]:
         rates = slopes_of(equations.rates, {key: Slope(x, {}) for key, x in box.items()})
         after = {
-            key: _swept(ranges[key], whole, rate.value)
+            key: between(ball(ranges[key]), ranges[key] + h * rate.value)  # each on a line of t
             for key, rate in zip(equations.states, rates, strict=True)
         }
         return {**box, **after}
@@ -220,14 +220,6 @@ def _is_unknown(box: Mapping[str, Number], keys: Sequence[str]) -> Any:
 
 def _width(x: Number) -> Number:
     return greatest(x) - least(x)
-
-
-def _swept(begin: Number, whole: Number, rate: Number) -> Number:
-    """Return where x + t f is for all times t from 0 on."""
-    end, nothing = greatest(whole), arb(0)
-    low = least(begin) + ball(end * least(rate)).min(nothing)
-    high = greatest(begin) + ball(end * greatest(rate)).max(nothing)
-    return between(least(low), greatest(high))
 
 
 def output_between_samples(

@@ -24,11 +24,12 @@ Vector = NDArray[np.float64]
 
 
 def _below(x: Any) -> Vector:
-    return np.asarray(np.nextafter(x, -np.inf))
+    return np.asarray(x - (np.abs(x) * 2.0**-52 + 1e-300))
 
 
 def _above(x: Any) -> Vector:
-    return np.asarray(np.nextafter(x, np.inf))
+    """Return floats that are greater, in a third of the time of the next ones; of -inf NaN."""
+    return np.asarray(x + (np.abs(x) * 2.0**-52 + 1e-300))  # no less than the way to those
 
 
 @lru_cache(maxsize=4096)

@@ -159,11 +159,11 @@ class Zonotopes(LoopAlgebra[Number]):
         inputs = stacked([self.forms(x) for x in arguments])
         symbols, rest = inputs.parts, inputs.rest
         sides = np.concatenate([symbols, np.eye(len(rest))[:, :, None] * rest])
-        slopes, low, high, sure = grid.bands(inputs.centre, sides)
-        if not sure.all():
+        bands = grid.bands(inputs.centre, sides)
+        if bands is None:
             every = zip(arguments, variables, strict=True)
             return self._asked(planes.band, [self._inside(x, variable) for x, variable in every])
-        return self._on(inputs, slopes, Forms.between(low, high))
+        return self._on(inputs, bands.slopes, Forms.between(bands.low, bands.high))
 
     def _inside(self, x: Number, variable: Variable) -> Forms:
         forms = self.forms(x)

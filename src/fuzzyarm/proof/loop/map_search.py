@@ -17,9 +17,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.control.controllers.text import ControllerText
@@ -130,6 +131,14 @@ def map_starts(
     return _Map(text, claim, search, plant, connect, sensors, watch).made()
 
 
+class _Drawn(NamedTuple):
+    """A start that was drawn, and what became of its run."""
+
+    start: tuple[float, ...]
+    rests: bool
+    is_lost: bool
+
+
 class _Map:
     """A map in the making."""
 
@@ -157,8 +166,8 @@ class _Map:
         self.boxes: list[MappedBox] = []
         self.work = 0.0
         self.journal: WorkJournal | None = None
-        self.drawn: list[tuple[tuple[float, ...], bool]] = []
-        self.told = -math.inf
+        self.drawn: list[_Drawn] = []
+        self.next_look = -math.inf
         self.certificate: Certificate | None = None
         self.chained = False
 
@@ -215,7 +224,7 @@ class _Map:
                 self.certificate = None
                 reason = f"no certificate of the map was found: {error}"
         if self.search.runs:
-            self._draw()
+            self.drawn = self._draw()
         return self._map(reason)
 
     def _without_region(self, why: str) -> StartMap:
@@ -265,11 +274,13 @@ class _Map:
 
     def _map(self, reason: str = "") -> StartMap:
         verdict = self.region
-        settled = [at for at, came in self.drawn if came]
-        proved = [box for box in self.boxes if box.verdict == PROVED]
-        lows = np.array([box.low for box in proved]).reshape(-1, len(self.window))
-        highs = np.array([box.high for box in proved]).reshape(-1, len(self.window))
-        within = sum(bool(((lows <= at) & (highs >= at)).all(axis=1).any()) for at in settled)
+        holding = self._proved_boxes_at([run.start for run in self.drawn])
+        for run, numbers in zip(self.drawn, holding, strict=True):
+            if run.is_lost:  # this has never been seen, and proves a fault
+                for number in numbers.tolist():
+                    self.boxes[number] = self.boxes[number]._replace(
+                        verdict=OPEN, reason="a simulated run contradicts its proof"
+                    )
         begins = self.problem.begins_alone
         return StartMap(
             statement=loop_sentence(
@@ -283,8 +294,11 @@ class _Map:
             rest=verdict.rest,
             certificate=self.certificate,
             starts=len(self.drawn),
-            settled=len(settled),
-            settled_proved=within,
+            settled=sum(run.rests for run in self.drawn),
+            settled_proved=sum(
+                run.rests and any(self.boxes[k].verdict == PROVED for k in numbers.tolist())
+                for run, numbers in zip(self.drawn, holding, strict=True)
+            ),
             seconds=time.monotonic() - self.begun,
             work=self.work,
             period=self.problem.period,
@@ -312,7 +326,7 @@ class _Map:
     def _shared(self, content: bytes, boxes: Sequence[Box]) -> dict[Box, str]:
         """Let workers map boxes; each has the whole budget, less what was taken here."""
         todo = dict.fromkeys(boxes, "")
-        left = [self.stop.left] * self.workers
+        budget, begun, spent = self.stop.left, time.process_time(), [0.0] * self.workers
         self.work = self.stop.spent
         for rounds in range(ROUNDS, 0, -1):
             # Side by side along the first state: what one proves is a goal of its own boxes.
@@ -320,22 +334,22 @@ class _Map:
             ends = [len(row) * k // self.workers for k in range(self.workers + 1)]
             parts = [{box: todo[box] for box in row[a:b]} for a, b in pairwise(ends)]
             known = [box for box in self.boxes if box.verdict == PROVED]
+            rest = budget - (time.process_time() - begun)  # the work between rounds counts, too
+            left = [max(rest - seconds, 0.0) / 2 ** (rounds - 1) for seconds in spent]
             tasks = [
-                self.crew.submit(
-                    mapped_piece, content, part, known, max(seconds / 2 ** (rounds - 1), 0.0)
-                )
+                self.crew.submit(mapped_piece, content, part, known, seconds)
                 for part, seconds in zip(parts, left, strict=True)
             ]
             todo = {}
             for slot, task in enumerate(tasks):
                 with workers_watched():
-                    decided, rest, taken = task.result()
-                left[slot] -= taken
-                self.work += taken
-                todo |= rest
+                    decided, undone, taken = task.result()
+                spent[slot] += taken
+                todo |= undone
                 self._heard(decided)
             if not todo:
                 break
+        self.work += time.process_time() - begun + sum(spent)
         return todo
 
     def _with_opposites(self, boxes: Sequence[MappedBox]) -> list[MappedBox]:
@@ -349,9 +363,10 @@ class _Map:
         if self.journal is not None:
             self.journal.append(map(_row, (box for box in boxes if box.verdict != OPEN)))
         now = time.monotonic()
-        if self.watch is not None and now > self.told + 0.25:
-            self.told = now
+        if self.watch is not None and now > self.next_look:
             self.watch(self._map())
+            after = time.monotonic()
+            self.next_look = after + max(0.25, 9.0 * (after - now))  # a tenth of the time
 
     # ── the journal ──────────────────────────────────────────────────────────────────
 
@@ -377,7 +392,7 @@ class _Map:
 
     # ── drawn starts ─────────────────────────────────────────────────────────────────
 
-    def _draw(self) -> None:
+    def _draw(self) -> list[_Drawn]:
         """Simulate runs from drawn starts: the share that comes to rest, and a last doubt."""
         generator = np.random.default_rng(0)
         problem, rest = self.problem, self.region.rest
@@ -385,20 +400,28 @@ class _Map:
         # Its equations are traced once for all runs.
         problem = replace(problem, plant=for_runs(with_parameters(problem.plant, values)))
         duration = max(problem.plant.duration or 0.0, 1000 * problem.period)
-        lost = []
+        drawn = []
         for _ in range(self.search.runs):
             start = {n: float(generator.uniform(s.low, s.high)) for n, s in problem.start.items()}
             try:
                 run = run_of(problem, start, {}, duration=duration)
             except FuzzyarmError:
                 continue
-            if run is None:
-                continue
-            at = tuple(start[name] for name in self.window)
-            if run.diverged is not None:
-                lost.append(at)
-            self.drawn.append((at, run.diverged is None and self._rests(run, rest)))
-        self._demand_none_lost(lost)
+            if run is not None:
+                is_lost = run.diverged is not None
+                at = tuple(start[name] for name in self.window)
+                drawn.append(_Drawn(at, not is_lost and self._rests(run, rest), is_lost))
+        return drawn
+
+    def _proved_boxes_at(self, starts: Sequence[tuple[float, ...]]) -> list[NDArray[np.int64]]:
+        """Return the numbers of the proved boxes that hold each start."""
+        if not starts:
+            return []
+        numbers = np.array([k for k, b in enumerate(self.boxes) if b.verdict == PROVED], dtype=int)
+        proved = [self.boxes[k] for k in numbers.tolist()]
+        low = np.array([box.low for box in proved]).reshape(-1, len(self.window))
+        high = np.array([box.high for box in proved]).reshape(-1, len(self.window))
+        return [numbers[((low <= at) & (high >= at)).all(axis=1)] for at in starts]
 
     def _rests(self, run: Any, rest: Mapping[str, float]) -> bool:
         """Tell whether a run ends next to rest: a hundredth of the range of each output."""
@@ -411,17 +434,6 @@ class _Map:
                 if not abs(last - rest[name]) <= 0.01 * wide:
                     return False
         return True
-
-    def _demand_none_lost(self, lost: Sequence[tuple[float, ...]]) -> None:
-        """Take back boxes that a run contradicts: this has never been seen, and proves a fault."""
-        for number, box in enumerate(self.boxes):
-            if box.verdict == PROVED and any(
-                all(a <= x <= b for a, x, b in zip(box.low, at, box.high, strict=True))
-                for at in lost
-            ):
-                self.boxes[number] = box._replace(
-                    verdict=OPEN, reason="a simulated run contradicts its proof"
-                )
 
 
 def _row(box: MappedBox) -> list[str]:

@@ -6,6 +6,7 @@ import heapq
 import math
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +27,7 @@ from fuzzyarm.proof.loop.algebra import Number
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.follower import Box, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
-from fuzzyarm.proof.loop.pool import ARRIVED, LOST, Fate, Pool
+from fuzzyarm.proof.loop.pool import ARRIVED, GIVEN_UP, LOST, Fate, Pool
 from fuzzyarm.proof.loop.start_map import OPEN, PROVED, REFUTED, MappedBox
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.zonotope import Forms
@@ -37,6 +38,10 @@ LEAST, MOST = 6, 14
 
 NARROW = 0.7
 """How far those boxes reach at most, in units of the region, where what is proved is a goal."""
+
+SELDOM, ENOUGH, AGAIN = 0.25, 256, 16
+"""Share of boxes of a size that are decided, below which halves of this size are halved at once; of
+how many it is one; and each so many-th is followed all the same."""
 
 HALVINGS = 8
 """How often a side of the window is halved at most, on average over the sides."""
@@ -81,9 +86,13 @@ class MapWorker:
         self.pool.most = HALVINGS * len(self.pool.follower.names)
         self.first = self.pool.follower.first
         self.middle = self._rest()
+        self.followed: Counter[int] = Counter()  # by the number of halvings
+        self.decided: Counter[int] = Counter()
         self.known: set[tuple[tuple[float, ...], tuple[float, ...]]] = set()
         self.odd = case.odd
         self.cover = self._cover(problem)
+        if self.cover is not None:  # the way of a box is short, its halves are followed from anew
+            self.pool.cuts = 0
         low, high = np.array(self.first.low), np.array(self.first.high)
         # Of a deviation: its coordinates in units of the region, or of the window.
         self.units = np.diag(1.0 / (high - low)) if self.cover is None else self.haven.factor.T
@@ -141,7 +150,7 @@ class MapWorker:
         tiles, large = list[Box](), list(boxes)
         while large:
             box = large.pop()
-            widths = self.sides * 0.5 ** np.array(box.halvings)
+            widths = self.widths(box)
             # What is wider than the region seldom leads into it, or into what is next to it.
             is_wide = self.cover is not None and math.hypot(*widths) > NARROW
             if sum(box.halvings) < (MOST if is_wide else LEAST):
@@ -149,6 +158,27 @@ class MapWorker:
             elif not self.odd or box.high > tuple(0.0 - x for x in box.low):  # or the opposite is
                 tiles.append(box)
         return sorted(tiles, key=self.distance)
+
+    def widths(self, box: Box) -> NDArray[np.float64]:
+        """Return half the sides of a box, in units of the region or of the window."""
+        return np.asarray(self.sides * 0.5 ** np.array(box.halvings))
+
+    def note(self, fates: Sequence[Fate]) -> None:
+        """Keep the number of boxes that were decided, by size."""
+        for fate in fates:
+            size = sum(fate.box.halvings)
+            self.followed[size] += 1
+            self.decided[size] += fate.end != GIVEN_UP
+            if self.followed[size] > 2 * ENOUGH:  # the latest count most
+                self.followed[size] //= 2
+                self.decided[size] //= 2
+
+    def is_seldom_decided(self, box: Box) -> bool:
+        """Tell whether boxes of this size seldom lead to a verdict, which smaller ones may."""
+        size = sum(box.halvings)
+        followed = self.followed[size]
+        is_known = self.cover is not None and followed >= ENOUGH
+        return is_known and self.decided[size] < SELDOM * followed
 
     def distance(self, box: Box) -> float:
         """Return how far a box is from rest, in units of the region or of the window."""
@@ -170,7 +200,7 @@ class _Mapping:
     ) -> None:
         self.worker, self.heard = worker, heard
         self.queue: list[tuple[int, float, int, Box, str]] = []
-        self.count = 0
+        self.count = self.taken = 0
         self.probes: dict[Box, tuple[Box, str]] = {}
         for box, reason in boxes.items():
             self._push(box, reason)
@@ -192,12 +222,20 @@ class _Mapping:
     def _next(self, most: int) -> list[Box]:
         boxes: list[Box] = []
         while self.queue and len(boxes) < most:
-            *_, box, _ = heapq.heappop(self.queue)
-            boxes.append(box)
+            *_, box, reason = heapq.heappop(self.queue)
+            self.taken += 1
+            worker = self.worker
+            is_half = bool(reason) and sum(box.halvings) < worker.pool.most
+            if is_half and self.taken % AGAIN and worker.is_seldom_decided(box):
+                for half in box.halves(int(np.argmax(worker.widths(box)))):
+                    self._push(half, reason)
+            else:
+                boxes.append(box)
         return boxes
 
     def _done(self, fates: Sequence[Fate]) -> None:
         decided = []
+        self.worker.note(fates)
         for fate in fates:
             box = fate.box
             if box in self.probes:

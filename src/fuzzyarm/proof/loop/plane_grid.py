@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,15 +44,39 @@ OFF = 2.0**-42
 
 
 class Bands(NamedTuple):
-    """Of each set: between ``k·x + low`` and ``k·x + high``; not `sure`: nothing is known.
-
-    Shapes (sets, inputs), (sets,), (sets,), (sets,).
-    """
+    """Of each set: between ``k·x + low`` and ``k·x + high``; shapes (sets, inputs), (sets,)."""
 
     slopes: Vector
     low: Vector
     high: Vector
-    sure: NDArray[np.bool_]
+
+
+class _Met(NamedTuple):
+    """The cells that sets may meet, those of each set side by side.
+
+    How many of each set; of each cell its number, the middle of what the set may meet of it and
+    half the widths of that, and where its plane is counted from.
+    """
+
+    counts: Index
+    cell: Index
+    middle: Vector
+    half: Vector
+    home: Vector
+
+    def part(self, which: NDArray[np.bool_]) -> _Met:
+        """Return some of the cells."""
+        sets = np.repeat(np.arange(len(self.counts)), self.counts)[which]
+        index = np.flatnonzero(which)
+        return _Met(
+            np.bincount(sets, minlength=len(self.counts)), self.cell[index],
+            self.middle.take(index, axis=1), self.half.take(index, axis=1),
+            self.home.take(index, axis=1),
+        )  # fmt: skip
+
+    def spread(self, x: Vector) -> Vector:
+        """Return what each cell has of its set."""
+        return np.repeat(x, self.counts, axis=-1)
 
 
 @dataclass(frozen=True)
@@ -131,7 +155,9 @@ class PlaneGrid:
         self._fill(_Cells(*cells(finest)))
         counts = [part.low.size for part in self._stored]
         self._offset = np.concatenate([[0], np.cumsum(counts)[:-1]])
-        self._slopes = np.concatenate([part.slopes.reshape(-1, self.size) for part in self._stored])
+        self._slopes = np.concatenate(
+            [part.slopes.reshape(-1, self.size).T for part in self._stored], axis=1
+        )
         self._lows = np.concatenate([part.low.ravel() for part in self._stored])
         self._highs = np.concatenate([part.high.ravel() for part in self._stored])
         # Edges of all levels behind one another, the outer ones at infinity.
@@ -180,8 +206,8 @@ class PlaneGrid:
 
     # ── questions ────────────────────────────────────────────────────────────────────
 
-    def bands(self, centre: Vector, generators: Vector) -> Bands:
-        """Return a plane and the band around it of each set.
+    def bands(self, centre: Vector, generators: Vector) -> Bands | None:
+        """Return a plane and the band around it of each set; None where one is not known.
 
         Parameters
         ----------
@@ -193,121 +219,102 @@ class PlaneGrid:
         with np.errstate(all="ignore"):
             return self._bands(centre, generators)
 
-    def _bands(self, centre: Vector, generators: Vector) -> Bands:
-        count = centre.shape[1]
+    def _bands(self, centre: Vector, generators: Vector) -> Bands | None:
         radius = np.abs(generators).sum(axis=0) * (1.0 + 1e-12) + 1e-300
         # Farther by more than an index or an edge can be rounded by.
         width = (self.high - self.low)[:, None]
         radius = radius + 1e-12 * (np.abs(centre) + width)
-        first, last = centre - radius, centre + radius
-        flat, lows, highs = self._met(first, last)
-        n = self.size
-        where = np.stack(lows), np.stack(highs)  # (n, sets, cells)
-        middle, half = 0.5 * where[0] + 0.5 * where[1], 0.5 * (where[1] - where[0])
-        some = (half >= 0.0).all(axis=0) & self._near(middle, half, centre, generators)
-        slopes = self._slopes[flat].transpose(2, 0, 1)  # (n, sets, cells)
-        least, most = self._lows[flat], self._highs[flat]
-        home = self._middles  # where the plane of each cell is counted from
-        away = middle - home
-        base = (slopes * away).sum(axis=0)
+        met = self._met(centre - radius, centre + radius)
+        met = met.part(self._near(met, centre, generators))
+        middle, half, counts = met.middle, met.half, met.counts
+        slopes = self._slopes.take(met.cell, axis=1)
+        least, most = self._lows[met.cell], self._highs[met.cell]
+        if not (counts.all() and np.isfinite(least + most).all()):
+            return None
+        begins = np.cumsum(counts) - counts
+        base = (slopes * (middle - met.home)).sum(axis=0)
         size = np.abs(base) + np.abs(least) + np.abs(most) + (np.abs(slopes) * half).sum(axis=0)
         least, most = base + least, base + most
-        value = 0.5 * least + 0.5 * most
-        finite = np.isfinite(np.where(some, least + most, 0.0)).all(axis=1)
-        sure = np.asarray(finite & some.any(axis=1))
-        good = some & sure[:, None]
-        places = np.where(good, (middle - centre[:, :, None]) / radius[:, :, None], 0.0)
-        thick = np.where(good, half / radius[:, :, None], 0.0)
-        steep = np.where(good, slopes * radius[:, :, None], 0.0)
-        value = np.where(good, value, 0.0)
-        weight = good.astype(float)
-        k = np.zeros((n, count))
+        value, unit = 0.5 * least + 0.5 * most, met.spread(radius)
+        places, thick, steep = (middle - met.spread(centre)) / unit, half / unit, slopes * unit
+        weight = np.ones_like(value)
         for _ in range(ROUNDS):
-            k, at = _fitted(weight, places, thick, value, steep)
-            gap = value - at[:, None] - (places * k[:, :, None]).sum(axis=0)
-            reach = (np.abs(steep - k[:, :, None]) * thick).sum(axis=0)
-            gap = np.where(good, np.abs(gap) + reach + 0.5 * (most - least), 0.0)
-            top = gap.max(axis=1, keepdims=True)
-            weight = weight * (gap + 0.05 * top)
-            weight = weight / np.maximum(weight.max(axis=1, keepdims=True), 1e-300)
+            k, at = _fitted(begins, weight, places, thick, value, steep)
+            slope = met.spread(k)
+            gap = value - met.spread(at) - (places * slope).sum(axis=0)
+            gap = np.abs(gap) + (np.abs(steep - slope) * thick).sum(axis=0) + 0.5 * (most - least)
+            weight = weight * (gap + 0.05 * met.spread(np.maximum.reduceat(gap, begins)))
+            weight = weight / met.spread(np.maximum(np.maximum.reduceat(weight, begins), 1e-300))
         k = np.where(np.isfinite(k), k, 0.0) / radius
         # u - k·x over each part of a cell, in absolute coordinates.
-        line = (k[:, :, None] * middle).sum(axis=0)
-        reach = (np.abs(slopes - k[:, :, None]) * half).sum(axis=0)
-        size = size + np.abs(line) + reach + (np.abs(k)[:, :, None] * half).sum(axis=0)
-        low = np.where(good, least - line - reach - OFF * size, np.inf).min(axis=1)
-        high = np.where(good, most - line + reach + OFF * size, -np.inf).max(axis=1)
-        return Bands(k.T, low, high, sure & np.isfinite(low) & np.isfinite(high))
+        slope = met.spread(k)
+        line = (slope * middle).sum(axis=0)
+        reach = (np.abs(slopes - slope) * half).sum(axis=0)
+        size = size + np.abs(line) + reach + (np.abs(slope) * half).sum(axis=0)
+        low = np.minimum.reduceat(least - line - reach - OFF * size, begins)
+        high = np.maximum.reduceat(most - line + reach + OFF * size, begins)
+        return Bands(k.T, low, high) if np.isfinite(high - low).all() else None
 
-    def _met(self, first: Vector, last: Vector) -> tuple[Index, list[Vector], list[Vector]]:
+    def _met(self, first: Vector, last: Vector) -> _Met:
         """Return the cells that boxes may meet, and the part of each box in each."""
-        count = first.shape[1]
-        steps = np.arange(self.most)
-        levels, index, lows, highs, homes, lengths = [], [], [], [], [], []
+        number, levels, begins, counts = 1 << self.depth, [], [], []
         for axis in range(self.size):
             begin, whole = self.low[axis], self.high[axis] - self.low[axis]
-            smallest = whole / (1 << self.depth)
+            smallest = whole / number
             a = (first[axis] - begin) / smallest
             b = (last[axis] - begin) / smallest
-            number = 1 << self.depth
             a = np.clip(np.floor(np.nan_to_num(a, nan=-1.0)), -1, number).astype(np.int64)
             b = np.clip(np.floor(np.nan_to_num(b, nan=number)), -1, number).astype(np.int64)
-            level = np.zeros(count, dtype=np.int64)
+            level = np.zeros(first.shape[1], dtype=np.int64)
             for _ in range(self.depth):
                 i, j = _coarser(a, level, number), _coarser(b, level, number)
                 level = level + (j - i + 1 > self.most)
             i, j = _coarser(a, level, number), _coarser(b, level, number)
-            cell = i[:, None] + steps  # -1 is the outer one
-            over = cell > j[:, None]
-            cell = np.minimum(cell, j[:, None])
-            at = self._begin[axis][level][:, None] + cell + 1
+            levels.append(level)
+            begins.append(i)
+            counts.append(j - i + 1)
+        many = np.prod(counts, axis=0)
+
+        def spread(x: NDArray[Any]) -> NDArray[Any]:
+            return np.repeat(x, many)
+
+        place = np.arange(many.sum()) - spread(np.cumsum(many) - many)
+        flat, length = spread(self._offset[self._number[tuple(levels)]]), np.array(1)
+        low, high, home = np.empty((3, self.size, len(place)))
+        for axis in reversed(range(self.size)):
+            place, step = np.divmod(place, spread(counts[axis]))
+            cell = spread(begins[axis]) + step + 1  # 0 is the outer one
+            flat = flat + length * cell
+            length = length * spread((number >> levels[axis]) + 2)
+            at = spread(self._begin[axis][levels[axis]]) + cell
             left, right = self._ends[axis][at], self._ends[axis][at + 1]
-            # The part of the box in it; of steps beyond the last cell none.
-            lows.append(np.where(over, np.inf, np.maximum(left, first[axis][:, None])))
-            highs.append(np.where(over, -np.inf, np.minimum(right, last[axis][:, None])))
-            home = np.where(
+            low[axis] = np.maximum(left, spread(first[axis]))
+            high[axis] = np.minimum(right, spread(last[axis]))
+            home[axis] = np.where(
                 np.isinf(left), right, np.where(np.isinf(right), left, 0.5 * (left + right))
             )
-            homes.append(home)
-            levels.append(level)
-            index.append(cell + 1)
-            lengths.append((number >> level) + 2)
-        flat = np.zeros((count, *(self.most,) * self.size), dtype=np.int64)
-        spread: list[list[Vector]] = [[], [], []]
-        for axis in range(self.size):
-            shape = [count, *(1,) * self.size]
-            flat = flat * lengths[axis].reshape(shape)
-            shape[axis + 1] = self.most
-            flat = flat + index[axis].reshape(shape)
-            for kept, values in zip(spread, (lows, highs, homes), strict=True):
-                full = np.broadcast_to(
-                    values[axis].reshape(shape), (count, *(self.most,) * self.size)
-                )
-                kept.append(full.reshape(count, -1))
-        offset = self._offset[self._number[tuple(levels)]]
-        self._middles = np.stack(spread[2])
-        return flat.reshape(count, -1) + offset[:, None], spread[0], spread[1]
+        met = _Met(many, flat, 0.5 * low + 0.5 * high, 0.5 * (high - low), home)
+        return met.part(np.asarray((met.half >= 0.0).all(axis=0)))
 
-    def _near(
-        self, middle: Vector, half: Vector, centre: Vector, generators: Vector
-    ) -> NDArray[np.bool_]:
+    def _near(self, met: _Met, centre: Vector, generators: Vector) -> NDArray[np.bool_]:
         """Tell which parts of cells a set may meet, by the axes of its generators."""
+        keep = np.ones(len(met.cell), dtype=bool)
         if self.size == 1:
-            return np.ones(middle.shape[1:], dtype=bool)
+            return keep
         sides = np.moveaxis(generators, 2, 0)  # (sets, symbols, n)
         scale = np.abs(sides).sum(axis=1) + 1e-300  # (sets, n)
         scaled = sides / scale[:, None, :]
         ways = np.linalg.eigh(np.swapaxes(scaled, 1, 2) @ scaled)[1]  # any direction separates
-        keep = np.ones(middle.shape[1:], dtype=bool)
+        away = met.middle - met.spread(centre)
         for k in range(self.size):
             way = (ways[:, :, k] / scale).T  # (n, sets)
             reach = (
                 np.abs((sides * way.T[:, None, :]).sum(axis=2)).sum(axis=1) * (1.0 + 1e-9) + 1e-9
             )
             reach = reach + 1e-11 * (np.abs(way) * (np.abs(centre) + 1.0)).sum(axis=0)
-            share = ((middle - centre[:, :, None]) * way[:, :, None]).sum(axis=0)
-            thick = (half * np.abs(way)[:, :, None]).sum(axis=0)
-            keep &= np.abs(share) - thick <= reach[:, None]
+            way = met.spread(way)
+            thick = (met.half * np.abs(way)).sum(axis=0)
+            keep &= np.abs((away * way).sum(axis=0)) - thick <= met.spread(reach)
         return keep
 
 
@@ -318,24 +325,31 @@ def _coarser(index: Index, level: Index, number: int) -> Index:
 
 
 def _fitted(
-    weight: Vector, places: Vector, half: Vector, value: Vector, steep: Vector
+    begins: Index, weight: Vector, places: Vector, half: Vector, value: Vector, steep: Vector
 ) -> tuple[Vector, Vector]:
-    """Return slopes and the value at 0 of planes near some cells, by least squares over them."""
-    n, count = len(places), weight.shape[0]
+    """Return slopes and the value at 0 of planes near some cells, by least squares over them.
+
+    Cells of one set are side by side; `begins` has the first of each.
+    """
+    n, count = len(places), len(begins)
+
+    def total(x: Vector) -> Vector:
+        return np.asarray(np.add.reduceat(weight * x, begins))
+
     rows = np.zeros((count, n + 1, n + 1))
     right = np.zeros((count, n + 1))
-    total = weight.sum(axis=1)
-    rows[:, n, n] = total + 1e-12
-    right[:, n] = (weight * value).sum(axis=1)
+    whole = np.add.reduceat(weight, begins)
+    rows[:, n, n] = whole + 1e-12
+    right[:, n] = total(value)
     for i in range(n):
-        rows[:, i, n] = rows[:, n, i] = (weight * places[i]).sum(axis=1)
+        rows[:, i, n] = rows[:, n, i] = total(places[i])
         # Over a box of half the width h the mean of x² is c² + h²/3, of x u it is c u + s h²/3.
         thick = half[i] * half[i] / 3.0
-        right[:, i] = (weight * (value * places[i] + steep[i] * thick)).sum(axis=1)
-        for j in range(n):
+        right[:, i] = total(value * places[i] + steep[i] * thick)
+        for j in range(i + 1):
             square = places[i] * places[j] + (thick if i == j else 0.0)
-            rows[:, i, j] = (weight * square).sum(axis=1)
-        rows[:, i, i] += 1e-9 * total + 1e-30
+            rows[:, i, j] = rows[:, j, i] = total(square)
+        rows[:, i, i] += 1e-9 * whole + 1e-30
     solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
     return np.asarray(solved[:, :n].T, float), np.asarray(solved[:, n], float)
 

@@ -48,6 +48,9 @@ that it had at first, and more than so much of the goal; and how often in all.""
 MOST_CUTS = 3
 """Times that a box is halved on its way: what is not due to its starts has added up until then."""
 
+UNCUT = 1.2
+"""The same share of the goal where boxes are not cut on their way, but given up."""
+
 HOPELESS = 2.0
 """Times what is due to the starts, that all else may be in a box that is halved on its way."""
 
@@ -146,7 +149,7 @@ class Pool:
         self.follower.order = ORDER
         self.goal, self.horizon, self.stop = goal, horizon, stop
         self.count = len(self.follower.first.low)
-        self.most = MOST_HALVINGS
+        self.most, self.cuts = MOST_HALVINGS, MOST_CUTS
         self.control = self._control(0)
         self.flow = self.follower.flow
         self.mean = MeanFlow(problem) if isinstance(self.flow, Flow) else None
@@ -318,11 +321,11 @@ class Pool:
         due = near.starts.sum(axis=0)
         width = due + near.rest
         swarm.width = np.where(swarm.ages > 1, swarm.width, width)
-        allowed = np.maximum(HARMLESS, SPLIT * swarm.width)
+        allowed = np.maximum(HARMLESS if self.cuts else UNCUT, SPLIT * swarm.width)
         cut = ~(near.rest <= allowed) & ~(lost | arrived | old)
         halvings = np.array([sum(box.halvings) for box in swarm.boxes])
         hopeless = np.asarray(cut & (~(near.rest <= HOPELESS * due) | (halvings >= self.most)))
-        hopeless = hopeless | (cut & (swarm.cuts >= MOST_CUTS))
+        hopeless = hopeless | (cut & (swarm.cuts >= self.cuts))
         cut &= ~hopeless
         gone = lost | arrived | old | hopeless
         if not (gone | cut).any():

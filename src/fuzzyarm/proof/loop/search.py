@@ -150,12 +150,14 @@ class _Search:
 
     def affine(self) -> Iterator[Proposal | str]:
         """Yield proposals for a plant that is affine: rule bases over less and less."""
-        hopeless = self._hopeless({})
-        if hopeless:
-            yield hopeless
-            return
         best = -math.inf
         for share in SHARES:
+            # Where all of the universes do not hold, is there any hope?
+            if share == SHARES[1] and best == -math.inf:
+                hopeless = self._hopeless({})
+                if hopeless:
+                    yield hopeless
+                    return
             here = -math.inf
             for along in (True, False):
                 if self.stop.now:
@@ -180,7 +182,7 @@ class _Search:
             form = self._form(Assumptions(SHARES[-1], self.grips[0], box, along))
             if isinstance(form, str):
                 reason = reason or form
-            elif candidate(form, stop=self.stop) is not None:
+            elif candidate(form, rounds=0, stop=self.stop) is not None:
                 return ""
             else:
                 reason = "no quadratic function was found that falls, not even next to rest"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from fuzzyarm.base.jsonable import json_properties
@@ -106,12 +107,19 @@ class StartMap(Shown):
 
     def share(self, verdict: str) -> float:
         """Return the share of the window's volume that has a verdict."""
+        return math.fsum(share for (kind, _), share in self._shares.items() if kind == verdict)
+
+    @cached_property
+    def _shares(self) -> Mapping[tuple[str, str], float]:
+        """The shares of the window's volume by verdict and reason."""
         sides = [span.high - span.low for span in self.window.values()]
-        return sum(
-            math.prod((b - a) / s for a, b, s in zip(box.low, box.high, sides, strict=True))
-            for box in self.boxes
-            if box.verdict == verdict
-        )
+        totals: dict[tuple[str, str], float] = defaultdict(float)
+        for box in self.boxes:
+            share = 1.0
+            for low, high, side in zip(box.low, box.high, sides, strict=True):
+                share *= (high - low) / side
+            totals[box.verdict, box.reason] += share
+        return totals
 
     @property
     def proved(self) -> float:
@@ -177,15 +185,8 @@ class StartMap(Shown):
 
     def reasons(self) -> list[tuple[str, float]]:
         """Return why boxes are open, and the share of the volume of each reason, largest first."""
-        totals: Counter[str] = Counter()
-        for box in self.boxes:
-            if box.verdict == OPEN:
-                totals[box.reason] += self._share_of(box)  # type: ignore[assignment]
-        return [(reason, float(share)) for reason, share in totals.most_common()]
-
-    def _share_of(self, box: MappedBox) -> float:
-        sides = [span.high - span.low for span in self.window.values()]
-        return math.prod((b - a) / s for a, b, s in zip(box.low, box.high, sides, strict=True))
+        found = [(reason, share) for (kind, reason), share in self._shares.items() if kind == OPEN]
+        return sorted(found, key=lambda pair: -pair[1])
 
     def sentence(self) -> str:
         """Return the coverage in a sentence."""
