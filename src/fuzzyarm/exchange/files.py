@@ -395,7 +395,7 @@ class PlantOf(NamedTuple):
 
 
 class Review(NamedTuple):
-    """What a check of one text found.
+    """The findings of one text.
 
     Attributes
     ----------

@@ -44,7 +44,7 @@ from fuzzyarm.symbolic.kernels import kernel, whole_numbers
 INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
 # points and length of a row; where the parts of the block begin, and its end;
 POINTS, WIDTH, FLOATS, SCRATCH, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
-# address of `run`, and what it and the defuzzifiers are called with: where in the block the
+# address of `run`, then its arguments and those of the defuzzifiers: where in the block the
 # inputs are, where the program is, first point and number of points (in `order`), how many
 # outputs were NaN; where the groups of an output are, where its program goes on, its head.
 RUN, INPUT_ROWS, PROGRAM, FIRST, COUNT, MISSING, GROUPS, NEXT, OUTPUT = range(19, 28)
@@ -59,10 +59,10 @@ INPUT_HEAD = 10
 CURVE = 3
 
 # For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
-# and sets are folded, what happens outside its range, a number for the defuzzifier, whether
+# and sets are folded, the treatment outside its range, a number for the defuzzifier, whether
 # its value is a mean, whether the defuzzifier is `closed_centroid`, and whether all rules are
-# ``a and b …`` under min, of weight 1, united by max; by address, what is made of the number that
-# the defuzzifier finds, and what it makes of several itself (0: nothing, and one of them).
+# ``a and b …`` under min, of weight 1, united by max; by address, the function applied to the
+# result of the defuzzifier, and the one that combines several results (0: none, the first counts).
 DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED, IS_MAX_MIN = range(8)
 FINISH, CHOICE = 8, 9
 OUTPUT_HEAD = 10

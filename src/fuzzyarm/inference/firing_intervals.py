@@ -1,9 +1,9 @@
 """Interval type-2 rule bases as ones of type 1: every rule is read twice.
 
 The degree of an interval type-2 term lies between its lower and its upper membership function,
-so a rule fires between two strengths. Norms rise with their operands: the upper strength is
-what the rule gives of upper degrees, the lower of lower ones, and under a hedge that falls
-(``not``) the ends change places. So :func:`doubled` writes a rule base of type 1 in which each
+so a rule fires between two strengths. Norms rise with their operands: the upper strength follows
+from upper degrees, the lower one from lower degrees, and under a decreasing hedge (``not``) the
+ends change places. So :func:`doubled` writes a rule base of type 1 in which each
 term is there twice and each rule twice, and every evaluator of rules (point, arrays, kernel,
 exported code) reads it as it reads any other. New is only the last step: a defuzzifier that
 takes the sets of both readings (:mod:`fuzzyarm.inference.type_reduction_kernel`).

@@ -4,11 +4,10 @@ It reads and writes one array of floats, the **block**, whose picture is in
 :mod:`fuzzyarm.inference.block`. Every input finds its cell between the corners of its terms; the
 cells together name a **program**, which lists the rules that can fire there and the integrals.
 So nothing is searched, and the cost grows with the rules that fire, not with the rules. Points are
-sorted by their program; what a program does it does to all of its points in a row, which the
-processor takes several at a time.
+sorted by their program, whose steps run over rows of points: the processor takes several at a time.
 
-What a program does with a row beside min, max, product and sum (other norms, curved terms,
-the defuzzifiers) it calls by address.
+A program has min, max, product and sum of rows built in; other norms, curved terms and the
+defuzzifiers are called by address.
 
 A closed loop evaluates single points, millions of times. There two thirds of the work would be
 to find rows that are one number long, so :func:`evaluate` walks a program by itself, number by

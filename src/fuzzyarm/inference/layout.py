@@ -1,8 +1,8 @@
 """A rule base as the numbers that the kernel reads: its picture is in :mod:`.block`.
 
 The writer goes through a plan once: inputs are cut into cells, each combination of cells
-becomes a program with the rules that can fire in it, and every output adds what its
-defuzzifier reads.
+becomes a program with the rules that can fire in it, and every output adds the inputs of its
+defuzzifier.
 """
 
 from __future__ import annotations

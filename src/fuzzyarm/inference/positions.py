@@ -79,8 +79,8 @@ FUNCTION, NUMBERS_AT, NUMBERS, PIECES, PIECES_AT = range(5)
 # whether it is cut off flat at the strength, and not only above some level.
 CUT, LEVELS, LEVELS_AT, TOP_AT, FLAT = range(5, 10)
 
-# A value says how it is found, and where its number is: what a formula is multiplied by, the
-# height of the set, or the end of the range that a set does not reach.
+# Of a value: how it is found, and where its number is: the factor of a formula, the height of the
+# set, or the end of the range that a set does not reach.
 SORT, OWN_AT = 5, 6
 CONSTANT, LINEAR, FORMULA, INVERSE, LEVEL = range(5)
 

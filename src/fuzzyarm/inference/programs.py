@@ -1,9 +1,9 @@
 """The kernels that take a block: its evaluators, and the defuzzifiers, which a layout numbers.
 
-A defuzzifier of the kernel is a record, :class:`DefuzzifierProgram`: what it does at one point,
-what it reads, what it gives. What a record of :mod:`fuzzyarm.symbolic.defuzzifiers` takes of an
-aggregate, and what that is made of (numbers, samples, straight lines, panels of curves), decide
-which one it is.
+A defuzzifier of the kernel is a record, :class:`DefuzzifierProgram`: its function at one point, its
+inputs and its results. It is selected by the aspect of the aggregate that a record of
+:mod:`fuzzyarm.symbolic.defuzzifiers` requests, and by the form of that aggregate (numbers, samples,
+straight lines, panels of curves).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Functions of rows by number: norms, curved terms, hedges and programs, as a layout names them.
 
-A layout says :class:`Addresses` what it needs and writes down the number that it gets: an address
-of machine code here (:class:`InMemory`), a place in a table in a program of another language.
+A layout requests each function from :class:`Addresses` and stores the number it gets: an address
+of machine code here (:class:`InMemory`), an index into a table in a program of another language.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Rule bases in stages: an output that later rules read is an input of the stage behind it.
 
 The kernel goes from inputs to outputs once. Where rules, or formulas of consequents, read the
-value of an output, those that conclude it are a rule base of their own, and what reads it is
+value of an output, the rules that conclude it form a rule base of their own, and its readers
 another one. A rule that reads how far an output of its own block is asserted needs no stage.
 """
 

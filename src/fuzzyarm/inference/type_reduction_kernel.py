@@ -16,13 +16,12 @@ Where L is 0 everywhere, the ends are those of the support of U, to which the en
 go.
 
 The kernel has found the strengths of both readings of the rules; each consequent says whether it is
-of the upper set (side 0) or of the lower one (side 1). What is written down of one side (samples,
-envelopes of straight sets, integrals of curved ones) is what the defuzzifiers of type 1 write down
-of all.
+of the upper set (side 0) or of the lower one (side 1). Each side has the record (samples, envelopes
+of straight sets, integrals of curved ones) that the defuzzifiers of type 1 make of all consequents.
 
 Every defuzzifier gives something above 0 where there is a value, and the value itself: the end
-that the last of the output's floats selects: -1 the left one, 1 the right one, 0 what is made of
-both. Nie and Tan's give area and moment.
+that the last of the output's floats selects: -1 the left one, 1 the right one, 0 their
+combination. Nie and Tan's give area and moment.
 
 References
 ----------

@@ -296,7 +296,7 @@ def watched_run(
 @json_properties("operations exported_operations=exported seconds?")
 @dataclass(frozen=True, kw_only=True)
 class ControlStepCost:
-    """What a control step of a controller costs, both joints.
+    """The cost of a control step of a controller, both joints.
 
     Attributes
     ----------

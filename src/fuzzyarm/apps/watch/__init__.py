@@ -1,4 +1,4 @@
-"""What ``fuzzyarm watch`` shows: a file that is being edited, drawn anew at each save.
+"""The views of ``fuzzyarm watch``: a file under edit, drawn anew at each save.
 
 A :class:`WatchedFile` has the findings of its text and the last good :class:`WatchScene`, whose
 crisp inputs are moved by keys.

@@ -75,7 +75,7 @@ class WatchedFile:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """What `fuzzyarm check` finds in it."""
+        """The findings of `fuzzyarm check`."""
         return self.session.review().diagnostics
 
     @property

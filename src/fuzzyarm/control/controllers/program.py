@@ -347,7 +347,7 @@ class _Writer:
                 begun.add(cell)
 
     def _keep(self, axes: Axes) -> None:
-        """Keep what is read elsewhere or later; what is kept has to be finite."""
+        """Keep a value that is read elsewhere or later; it has to be finite."""
         for signal in self.model.seen_elsewhere(self.axis):
             state = self._cell(0.0, math.inf, 0.0)
             self._do(to.SLEW, self._cell(0.0), self.signal_cells[self.axis, signal], state)

@@ -165,7 +165,7 @@ def _require_comparable(benches: Sequence[Bench]) -> None:
 
 
 def _task(bench: Bench) -> tuple[str, str]:
-    """Return what a controller follows, and the outputs by which it is judged."""
+    """Return the references of a controller, and the outputs by which it is judged."""
     outputs = zip(bench.outputs, bench.units, strict=True)
     return bench.motion.name, " and ".join(f"{name} in {unit}" for name, unit in outputs)
 

@@ -171,7 +171,7 @@ def _fallback(steps: Steps) -> dict[str, float | None]:
 def _known(
     problem: LoopProblem, loop: CheckedLoop, steps: Steps, memory: Mapping[str, str]
 ) -> list[_Row]:
-    """Return what the controller knows of a loop, each independent of those before."""
+    """Return the known values of a loop, each independent of those before."""
     model, found = problem.text.model, list[_Row]()
     for x in steps.of_sort("measured"):
         signal = loop.outputs[problem.site.find(model, "measured", (x.axis, x.name))]
@@ -202,7 +202,7 @@ def _middle(rest: Any) -> tuple[float, fmpq]:
 
 
 def _seed(loop: CheckedLoop, name: str, measured: Sequence[_Row]) -> tuple[Seed, fmpq]:
-    """Return what memory begins as: weights of measured deviations, and its doubt."""
+    """Return the first value of the memory: weights of measured deviations, and its doubt."""
     constant_, parts = loop.seeds[name]
     rows = fmpq_mat([list(x.parts) for x in measured])
     goal = fmpq_mat([[fmpq(parts.get(other, 0)) for other in loop.names]])

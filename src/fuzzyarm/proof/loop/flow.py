@@ -284,7 +284,7 @@ _RULES: dict[str, Rule] = {
 
 
 class Step(NamedTuple):
-    """What came of a step.
+    """The result of a step.
 
     Attributes
     ----------

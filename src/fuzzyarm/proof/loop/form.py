@@ -29,7 +29,7 @@ Matrix = tuple[tuple[Fraction, ...], ...]
 
 @dataclass(frozen=True)
 class Assumptions:
-    """What a form may take for granted; the smaller, the nearer to linear it is.
+    """The assumptions of a form; the smaller they are, the nearer to linear it is.
 
     Attributes
     ----------

@@ -111,7 +111,7 @@ class FormMaker:
 
     @property
     def memory(self) -> list[str]:
-        """What is remembered and moves."""
+        """The memories that move."""
         return [name for name in self._memory_names() if name not in self.fixed]
 
     @property

@@ -35,7 +35,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class CertificateCandidate:
-    """What may prove a form: to be checked.
+    """A candidate for the proof of a form: to be checked.
 
     Attributes
     ----------

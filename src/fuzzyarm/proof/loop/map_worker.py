@@ -52,7 +52,7 @@ Open = Mapping[Box, str]
 
 @dataclass(frozen=True)
 class MapCase:
-    """What a worker has to know."""
+    """The task of a worker."""
 
     text: ControllerText
     claim: LoopClaim  # that is stable, from the window

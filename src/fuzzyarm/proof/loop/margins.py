@@ -46,7 +46,7 @@ LONGEST_DELAY = 400
 """Control periods of dead time at most that a delay margin is looked for in."""
 
 INFINITE = 1e12
-"""What |L| is taken for infinite from, as next to frequency 0 of a loop with an integral."""
+"""A larger magnitude of L counts as infinite, as next to frequency 0 of a loop with an integral."""
 
 POINTS = 2000
 """Frequencies at which the sensitivity is looked at first."""

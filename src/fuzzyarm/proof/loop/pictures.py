@@ -1,4 +1,4 @@
-"""What a picture of a proved region shows: its outline, runs in it, and where runs come to rest."""
+"""The picture of a proved region: its outline, runs in it, and their rest."""
 
 from __future__ import annotations
 

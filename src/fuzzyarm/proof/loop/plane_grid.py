@@ -75,7 +75,7 @@ class _Met(NamedTuple):
         )  # fmt: skip
 
     def spread(self, x: Vector) -> Vector:
-        """Return what each cell has of its set."""
+        """Repeat the value of each set for its cells."""
         return np.repeat(x, self.counts, axis=-1)
 
 

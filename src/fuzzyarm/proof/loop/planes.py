@@ -153,7 +153,7 @@ class RulePlanes:
 
     @property
     def range(self) -> tuple[float, float]:
-        """What no value leaves; infinite where nothing is known."""
+        """The range of all values; infinite where nothing is known."""
         output = self.prover.output
         return (output.low, output.high) if self.prover.stays_inside else (-math.inf, math.inf)
 

@@ -59,7 +59,7 @@ Goal = Callable[[Forms, Mapping[str, Number], int], Nearness]
 
 
 class Fate(NamedTuple):
-    """What became of a box: after how many periods, why, what made it wide, whether it was cut."""
+    """The fate of a box: its periods, the reason, the cause of its width, whether it was cut."""
 
     box: Box
     end: str

@@ -1,4 +1,4 @@
-"""What is tried to prove a claim about a loop: forms that grant less and less, and their P.
+"""The attempts to prove a claim about a loop: forms of ever weaker assumptions, and their P.
 
 Nothing here is trusted: each proposal goes to the checker.
 """
@@ -25,7 +25,7 @@ from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.stop import Stop
 
 WHOLE = 1 - Fraction(1, 2**20)
-"""What limits leave of a signal that they hardly touch."""
+"""The share of a signal that remains within limits that hardly touch it."""
 
 SHARES = tuple(Fraction(x) for x in (1, 0.75, 0.5, 0.35, 0.25, 0.125, 0.0625, 0.03125))
 GRIPS = tuple(Fraction(x) for x in (0.7, 0.5, 0.3))
@@ -33,7 +33,7 @@ GRIPS = tuple(Fraction(x) for x in (0.7, 0.5, 0.3))
 
 @dataclass(frozen=True)
 class Proposal:
-    """What may prove a claim.
+    """A candidate for the proof of a claim.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is known of the starts of a loop: boxes of a window that are proved, refuted or open."""
+"""A map of the starts of a loop: boxes of a window that are proved, refuted or open."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class MappedBox(NamedTuple):
 
     @property
     def opposite(self) -> MappedBox:
-        """What an odd loop has on the other side of its rest."""
+        """The box of an odd loop on the other side of its rest."""
         low, high = (tuple(0.0 - x for x in ends) for ends in (self.high, self.low))
         return self._replace(low=low, high=high)
 

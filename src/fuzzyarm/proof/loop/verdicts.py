@@ -64,7 +64,7 @@ Tell = Callable[[str, int, float], None]
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
 class LoopVerdict(Shown):
-    """What is known of a claim about a loop.
+    """The verdict on a claim about a loop.
 
     Attributes
     ----------

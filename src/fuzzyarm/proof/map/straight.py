@@ -377,7 +377,7 @@ class _Reading:
 
 
 _AVERAGES = frozenset({"centroid", "average", "weighted"})
-"""What averages, or adds up, numbers."""
+"""Defuzzifiers that average numbers or add them up."""
 
 _CONJUNCTIONS: dict[
     str, Literal["min", "bounded and", "product"]

@@ -15,7 +15,7 @@ __all__ = [
 
 
 class number:
-    """What all numbers are."""
+    """The kind of all numbers."""
 
 
 class integer(number):
