@@ -337,7 +337,10 @@ def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
     """Refuse what nothing reads; and of an interval what is read otherwise than from `p`."""
     at = copy(plant)
     at.parameters = watched = Watched(plant.parameters)
-    *_, roots = _seen(at)  # its ports, too: what they read by name is noted
+    for ports in (at.inputs, at.outputs, at.states):  # they may read a parameter by name, too
+        tuple(ports.items())
+    at.longest_step  # noqa: B018
+    roots = expressions_of(at)
     by_equations = set(watched.read)
     start_of(at, np.random.default_rng(0))
     if roots is not None:
@@ -391,12 +394,6 @@ def _is_harmless(start: FunctionType, step: tuple[str, Any], *later: tuple[str, 
         (after, read), (last, _) = (*later, ("", None), ("", None))[:2]
         return read == "parameters" or (after == "LOAD_CONST" and "CALL" in last)
     return kind.startswith("STORE_FAST") or not kind.startswith(_LASTING)
-
-
-def _seen(plant: Plant) -> tuple[Any, ...]:
-    """Return all that a proof knows of a plant; the start is read elsewhere."""
-    ports = tuple(plant.inputs.items()), tuple(plant.outputs.items()), tuple(plant.states.items())
-    return *ports, plant.longest_step, expressions_of(plant)
 
 
 def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
