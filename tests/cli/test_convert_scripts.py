@@ -107,6 +107,13 @@ def test_every_system_becomes_a_file(folder: Path, capsys: pytest.CaptureFixture
             "the script ends with SystemExit: 2",
             "the script gets no arguments",
         ),
+        (
+            "import numpy as np\nfrom skfuzzy import control\n"
+            "a = control.Antecedent(np.arange(3), 'a')\nb = control.Consequent(np.arange(3), 'b')\n"
+            "a.automf(3)\nb.automf(3)\ncontrol.Rule(a['poor'], b['good']).view()\n",
+            "the script ends with AttributeError",
+            "leave the line out",
+        ),
         ("while True:\n    pass\n", "the script has not ended within 1 s", "--seconds"),
         ("import time\ntime.sleep(60)\n", "the script has not ended within 1 s", "--seconds"),
         ("print('nothing')\n", "no fuzzy system found", "a ControlSystem of scikit-fuzzy"),

@@ -52,6 +52,17 @@ def test_a_tuned_controller_is_not_written_over_rules_that_it_uses(folder, capsy
     assert not Path("trials").exists()  # it was refused before the search
 
 
+def test_a_learned_table_is_not_written_over_the_performance_table(folder, capsys):
+    for name in ("soc-zero.frb", "performance-yamazaki.lut"):
+        shutil.copy(ROOT / "rulebases" / name, name)
+    before = Path("performance-yamazaki.lut").read_bytes()
+    assert main(["learn", "soc-zero.frb", "--force", "-o", "performance-yamazaki.lut"]) == 1
+    message = capsys.readouterr().err
+    assert message.startswith("fuzzyarm: performance-yamazaki.lut is not written: this command")
+    assert "cannot read" not in message
+    assert Path("performance-yamazaki.lut").read_bytes() == before
+
+
 def test_links_to_a_source_are_that_source(tmp_path):
     source, link = tmp_path / "a.csv", tmp_path / "b.csv"
     source.write_text("1\n")

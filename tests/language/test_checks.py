@@ -582,6 +582,25 @@ def test_an_output_that_stays_away_from_its_ends_is_told_once_with_its_reach():
     assert names(wide) == []
 
 
+@pytest.mark.parametrize("method", ["centroid exact", "centroid(101)", "bisector(50)"])
+def test_a_set_without_area_is_told_where_an_area_counts(method):
+    text = (
+        "rulebase t\ninput a 0 .. 1\noutput u -30 .. 30\nterms a: triangles L H\n"
+        "term u lo: triangle 10 10 10\nterm u hi: trapezoid 30 30 30 30\n"
+        "rules u\n  a L  H\n  u lo hi\n"
+    )
+    checked = check_text(f"{text}inference u: defuzzifier {method}\n").diagnostics
+    assert [found.message for found in checked if found.name == "no-area"] == [
+        f"'lo' of 'u' has no area: the {method.split()[0].split('(')[0]} does not count it"
+    ]
+    assert "short-reach" not in [found.name for found in checked]
+    assert names(f"{text}inference u: defuzzifier mean-of-maximum\n") == []
+    single = text.replace("triangle 10 10 10", "singleton 10").replace(
+        "trapezoid 30 30 30 30", "singleton 30"
+    )
+    assert "no-area" not in names(single)
+
+
 # --- Conflicts within one rule; conditions of grids ---
 
 

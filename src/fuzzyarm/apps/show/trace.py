@@ -153,7 +153,9 @@ class OutputPlot:
         output = self.output
         yield Text(f"{name_text(output.name)} by {output.method}", "bold")
         if not output.fired:
-            yield Text("  no rule fires: the value is the stated one", "yellow")
+            asserted = any(consequent.strength for consequent in output.consequents)
+            why = "no set has an area" if asserted else "no rule fires"
+            yield Text(f"  {why}: the value is the stated one", "yellow")
         names = [consequent.term for consequent in output.consequents]
         left = max(map(len, [*names, "all"]))
         width = min(61, options.max_width - left - 14)

@@ -19,6 +19,7 @@ from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import demand_allowed, real_path
 from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.protected import SourceFileError
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.base.shown import Shown
 from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
@@ -203,6 +204,8 @@ def used_files(
             continue
         try:
             sheets[use.name] = tuple(read_sheet(file, folder) for file in use.files)
+        except SourceFileError:
+            raise
         except (OSError, ValueError) as error:  # a name may have a null byte
             faults.append(_unreadable(use, error, path, folder))
     return sheets, faults

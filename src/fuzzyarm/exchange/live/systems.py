@@ -206,6 +206,8 @@ _HINTS = {
 }
 """Remedies for common exceptions of a script."""
 
+_VIEW_OF_A_RULE = "'ControlSystemVisualizer' object has no attribute"
+
 _PACKAGES = {
     "cv2": "opencv-python", "fuzzylite": "pyfuzzylite", "PIL": "Pillow", "RPi": "RPi.GPIO",
     "serial": "pyserial", "skfuzzy": "scikit-fuzzy", "sklearn": "scikit-learn", "yaml": "PyYAML",
@@ -216,6 +218,8 @@ _OF_WINDOWS = {"_winapi", "msvcrt", "nt", "winreg", "winsound"}
 
 
 def _hint(raised: Mapping[str, Any]) -> str:
+    if _VIEW_OF_A_RULE in raised["message"]:
+        return "rule.view() fails in this version of scikit-fuzzy: leave the line out"
     missing = re.match(r"No module named '(\w+)", raised["message"])
     if missing is None or raised["kind"] != "ModuleNotFoundError":
         return _HINTS.get(raised["kind"], "")

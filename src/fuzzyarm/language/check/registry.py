@@ -105,6 +105,13 @@ CHECKS: dict[str, Check] = {
             "was found by its axes.",
         ),
         Check(
+            "no-area",
+            Severity.WARNING,
+            "A set is above 0 at one point alone: an integral does not count it, and a sum over "
+            "samples does only where a sample meets it.",
+            unfit_defuzzifiers,
+        ),
+        Check(
             "duplicate-rule",
             Severity.WARNING,
             "A rule is repeated.",

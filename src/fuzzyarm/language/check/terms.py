@@ -37,13 +37,14 @@ from fuzzyarm.symbolic.kinds import SHAPES
 
 
 def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``defuzzifier-does-not-fit`` and ``mixed-output-terms``."""
+    """Yield ``defuzzifier-does-not-fit``, ``mixed-output-terms`` and ``no-area``."""
     names = {v.name for v in (*subject.rulebase.inputs, *subject.rulebase.outputs)}
     for output in subject.rulebase.outputs:
         yield from _formulas(output, names)
         if not _averages_values(output):
             yield from _values(output)
             yield from _mixture(output)
+            yield from _without_area(output)
         yield from _type_2(output, subject)
         if output.defuzzifier.record.inverts:
             yield from _monotonic(output)
@@ -183,6 +184,28 @@ def _mixture(output: Output) -> Iterator[Diagnostic]:
             f" '{spikes[0].name}' would carry no weight in the {output.defuzzifier.method}",
             spikes[0].span,
         )
+
+
+def _without_area(output: Output) -> Iterator[Diagnostic]:
+    spikes = list(filter(_is_spike, output.terms))
+    if spikes and output.defuzzifier.record.aspect.integrates:
+        method = output.defuzzifier.method
+        yield Diagnostic(
+            "no-area",
+            f"'{spikes[0].name}' of '{output.name}' has no area: the {method} does not count it",
+            spikes[0].span,
+            severity=Severity.WARNING,
+            hint="widen it, or use singletons and weighted-average",
+        )
+
+
+def _is_spike(term: Term) -> bool:
+    """Whether a set is above 0 at one point alone."""
+    shape, corners = term.shape, set(corner_points(term.shape))
+    if shape.kind == "singleton" or not SHAPES[shape.kind].fuzzy or len(corners) != 1:
+        return False
+    (at,), degree = corners, membership_function(shape)
+    return not any(degree(math.nextafter(at, way)) for way in (-math.inf, math.inf))
 
 
 def _monotonic(output: Output) -> Iterator[Diagnostic]:
@@ -389,7 +412,7 @@ def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
             if consequent.variable == output.name
         }
         ranked = [output.term(name) for name in order if name in consequent_terms]
-        if not ranked or any(not SHAPES[term.shape.kind].fuzzy for term in ranked):
+        if not ranked or any(_is_spike(t) or not SHAPES[t.shape.kind].fuzzy for t in ranked):
             continue
         # The centroid lies between those of the outermost sets, whatever the strengths.
         low, high = (_centre_of_area(term, output) for term in (ranked[0], ranked[-1]))
