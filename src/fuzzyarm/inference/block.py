@@ -158,7 +158,7 @@ class TermNumbers(NamedTuple):
     row : int
         Of a curve the row that its degrees are written to; of pieces where in the whole numbers
         their count is.
-    floats, scratch : int
+    floats, capacity : int
         Where its numbers begin, and for how many there is room.
     scaled : bool
         Of a set: whether its rules scale it rather than cut it.
@@ -169,7 +169,7 @@ class TermNumbers(NamedTuple):
     term: str
     row: int
     floats: int
-    scratch: int
+    capacity: int
     scaled: bool = False
 
 

@@ -290,13 +290,13 @@ class OutputWriter:
     def _side(self, member: int) -> int:
         return self.plan.sides[member] if self.plan.sides else UPPER
 
-    def _mark(self, sort: str, member: int, begin: int, scratch: int) -> None:
+    def _mark(self, sort: str, member: int, begin: int, capacity: int) -> None:
         """Record the positions of an unhedged consequent's numbers in a loose layout."""
         term_member, output = self.plan.members[member], self.plan.output
         if self.editable and not term_member.hedges:
             counted, scaled = self.consequents[member], term_member.implication == "product"
             mark = TermNumbers(
-                sort, output.name, term_member.term.name, counted, begin, scratch, scaled
+                sort, output.name, term_member.term.name, counted, begin, capacity, scaled
             )
             self.base.marks.append(mark)
 
@@ -309,13 +309,13 @@ class OutputWriter:
             scaled = int(member.implication == "product")
             head = [len(member.pieces), len(self.base.floats), scaled, self._side(i)]
             self.base.whole += head
-            scratch = len(member.pieces)
+            capacity = len(member.pieces)
             if self.editable:  # a corner may move into the range, or off another one
-                scratch = max(scratch, len(polyline(member.term.shape)) + 1)
+                capacity = max(capacity, len(polyline(member.term.shape)) + 1)
             ends = [end for piece in member.pieces for end in piece[:4]]
-            self._floats([*ends, *[0.0] * (envelope.PIECE * scratch - len(ends))])
-            self._mark("pieces", i, len(self.base.floats) - envelope.PIECE * scratch, scratch)
-            pieces += scratch
+            self._floats([*ends, *[0.0] * (envelope.PIECE * capacity - len(ends))])
+            self._mark("pieces", i, len(self.base.floats) - envelope.PIECE * capacity, capacity)
+            pieces += capacity
         begin, end = envelope.heap_size(pieces)
         self.samples = end // 2 + 1  # there are two rows of samples
         return begin

@@ -168,15 +168,15 @@ class Sweeps:
         """Evaluate plain arrays; return how many outputs have no ordinary value."""
         # A few shares for each thread: another process may hold one of them up.
         share = max(self._chunk, math.ceil(size / (SHARES * workers)))
-        scratch = self._room(size)
+        capacity = self._room(size)
 
         def fill(starts: Iterator[int]) -> int:
             try:
-                sweep_arrays = self._sweeps[scratch].pop()
+                sweep_arrays = self._sweeps[capacity].pop()
             except IndexError:
-                sweep_arrays = self._sweeper(scratch)
+                sweep_arrays = self._sweeper(capacity)
             missing = sum(sweep_arrays(arrays, at, min(at + share, size)) for at in starts)
-            self._sweeps[scratch].append(sweep_arrays)
+            self._sweeps[capacity].append(sweep_arrays)
             return missing
 
         return sum(in_threads(fill, range(0, size, share), workers))
@@ -200,18 +200,18 @@ class Sweeps:
         """Evaluate one chunk of points; return how many outputs have no ordinary value."""
         shape = tuple(extent.stop - extent.start for extent in part)
         count = math.prod(shape)
-        scratch = self._room(count)
+        capacity = self._room(count)
         try:
-            chunk = self._free[scratch].pop()
+            chunk = self._free[capacity].pop()
         except IndexError:
-            chunk = _Chunk(self._layout, scratch)
+            chunk = _Chunk(self._layout, capacity)
         chunk.whole[POINTS] = count
         for column, array in zip(chunk.columns, arrays.values(), strict=True):
             column[:count].reshape(shape)[...] = _part_of(array, part)
         chunk.run()
         results[:, *part] = chunk.results[:, :count].reshape(-1, *shape)
         missing = chunk.whole[MISSING]
-        self._free[scratch].append(chunk)
+        self._free[capacity].append(chunk)
         return missing
 
     # ── points without an ordinary value ─────────────────────────────────────────────

@@ -271,9 +271,9 @@ def neighbour(numbers: list[float], levels: int, count: int, x: float) -> tuple[
     if count == 1:
         return 0, 0.0
     inside = clamp(x, numbers[levels], numbers[levels + count - 1])
-    inner, scratch = levels + 1, count - 2
-    lower = _count_smaller(numbers, inner, scratch, inside)
-    if lower < scratch and numbers[inner + lower] == inside:
+    inner, levels_inside = levels + 1, count - 2
+    lower = _count_smaller(numbers, inner, levels_inside, inside)
+    if lower < levels_inside and numbers[inner + lower] == inside:
         lower += 1  # on a level: it is the lower neighbour
     return lower, share_of_way(inside, numbers[levels + lower], numbers[levels + lower + 1])
 

@@ -212,7 +212,7 @@ export class Store {
       if (!shape.marks.includes(mark.term)) continue;
       if (mark.sort === "curve") {
         const numbers = this.numbersOf(shape, now);
-        if (numbers.length === mark.room) engine.patch(mark.floats, numbers);
+        if (numbers.length === mark.capacity) engine.patch(mark.floats, numbers);
       } else if (mark.sort === "value") engine.patch(mark.floats, [now.parameters[0]]);
       else if (mark.sort === "samples") {
         const output = this.scene.outputs.findIndex((each) => each.name === variable.name);
@@ -220,8 +220,8 @@ export class Store {
       } else {
         const corners = cornersOf(shape, now.parameters, now.height);
         const pieces = piecesOf(corners, ...rangeOf(variable));
-        engine.patch(mark.floats, pieces.slice(0, 4 * mark.room));
-        engine.patchWhole(mark.row, Math.min(mark.room, pieces.length / 4));
+        engine.patch(mark.floats, pieces.slice(0, 4 * mark.capacity));
+        engine.patchWhole(mark.row, Math.min(mark.capacity, pieces.length / 4));
       }
     }
   }
