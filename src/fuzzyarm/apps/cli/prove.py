@@ -272,11 +272,14 @@ def check(request: ProveWords) -> int:
 
 
 def _loop_lines(path: str, verdict: LoopVerdict) -> list[str]:
+    count = verdict.pieces
+    return _lines(path, verdict, f"{count} attempt{'s' * (count != 1)}, " if count else "")
+
+
+def _lines(path: str, verdict: Verdict | LoopVerdict, work: str, way: str = "") -> list[str]:
     head, *rest = str(verdict).splitlines()
     where = f"{path}:{verdict.line}" if verdict.line else path
-    count = verdict.pieces
-    tries = f"{count} attempt{'s' * (count != 1)}, " if count else ""
-    return [f"{where}: {head}", *rest, f"  {tries}{verdict.seconds:.2f} s"]
+    return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
 
 
 def _run(request: ProveWords) -> int:
@@ -330,7 +333,7 @@ def _files(request: ProveWords) -> int:
                 data.append(file | jsonable(verdict))
                 if not request.json:
                     tell("", 0, 0.0)
-                    say(*_lines(path, verdict))
+                    say(*_rule_lines(path, verdict))
         if controller is not None:
             for loop, status in print_loops(request, path, controller, claims):
                 statuses.add(status)
@@ -343,14 +346,11 @@ def _files(request: ProveWords) -> int:
     return next((status for status in (EXIT_REFUTED, EXIT_UNDECIDED) if status in statuses), 0)
 
 
-def _lines(path: str, verdict: Verdict) -> list[str]:
+def _rule_lines(path: str, verdict: Verdict) -> list[str]:
     from fuzzyarm.apps.show.proofs import WAYS
 
-    head, *rest = str(verdict).splitlines()
-    where = f"{path}:{verdict.line}" if verdict.line else path
     work = f"{verdict.pieces:,} pieces, " if verdict.pieces else ""
-    way = f", {WAYS[verdict.way]}" if verdict.way else ""
-    return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
+    return _lines(path, verdict, work, f", {WAYS[verdict.way]}" if verdict.way else "")
 
 
 # ── one number ───────────────────────────────────────────────────────────────────────

@@ -424,7 +424,7 @@ class LiveRun:
     def _range(self, name: str, gain: Gain, tune: Any) -> dict[str, Any]:
         """Return the range of a gain's slider: as at first, wider where the value leaves it."""
         key = (name, tune, gain.bounds)
-        low, high, log = self.ranges.setdefault(key, _range(gain, tune))
+        low, high, log = self.ranges.setdefault(key, _first_range(gain, tune))
         low, high = min(low, *gain.value), max(high, *gain.value)
         return {"low": low, "high": high, "log": log and low > 0.0}
 
@@ -592,7 +592,7 @@ Range = tuple[float, float, bool]
 """Of a slider: its ends, and whether its scale is logarithmic."""
 
 
-def _range(gain: Gain, tune: Any) -> Range:
+def _first_range(gain: Gain, tune: Any) -> Range:
     """Return the slider range of a gain: its tuning range, or one around its value."""
     if tune is not None:
         return tune.low, tune.high, tune.log

@@ -28,6 +28,12 @@ from fuzzyarm.apps.native.printing import UNITS, kernels_in_c
 from fuzzyarm.apps.native.roots import roots
 from fuzzyarm.symbolic.kernels import note_digest, processors
 
+# ── cross-compilation: headers and symbols of Python ─────────────────────────────────
+#
+# The headers of the stable ABI are the same everywhere except for ``pyconfig.h``, which describes
+# the platform of an installation. Windows looks up every symbol in a named library at link time;
+# its import library is made of the names in the headers.
+
 _PYCONFIG = """\
 /* What Python's headers ask of a platform, from the compiler itself. */
 #ifndef Py_PYCONFIG_H
@@ -103,6 +109,9 @@ OF_GCC_ALONE = frozenset(
 
 LEVELS = {"baseline": "", "v3": "x86-64-v3"}
 """Processors by level; the second for x86-64 only."""
+
+
+# ── the compiler ─────────────────────────────────────────────────────────────────────
 
 
 class BuildError(RuntimeError):

@@ -37,6 +37,11 @@ from fuzzyarm.base.shipped_files import shipped, shipped_folder
 from fuzzyarm.language import read_text
 from fuzzyarm.version import __version__
 
+# ── Pyodide ──────────────────────────────────────────────────────────────────────────
+#
+# Its core is Python compiled to WebAssembly with the standard library; that is all a playground
+# needs. Nothing of it is part of fuzzyarm.
+
 VERSION = "314.0.7"
 """The archive that is fetched where no folder is named."""
 

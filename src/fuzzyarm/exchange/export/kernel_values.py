@@ -29,6 +29,8 @@ from fuzzyarm.symbolic.printing import Assign
 from fuzzyarm.symbolic.translation.functions import NotTranslatedError
 from fuzzyarm.symbolic.translation.types import Array, Scalar, TupleType, Type, wider
 
+# ── whole numbers and conditions that are known when a program is made ───────────────
+
 
 def whole_number(operator: type[ast.operator], a: Node, b: Node) -> Node:
     """Return the result of an operator of Python on two whole numbers."""

@@ -39,6 +39,11 @@ from fuzzyarm.symbolic.nodes import replace as put_in
 from fuzzyarm.symbolic.nodes import symbol
 from fuzzyarm.symbolic.records import Norm
 
+# ── constants and formulas as sets ───────────────────────────────────────────────────
+#
+# To fuzzylite every term is a function of x: a constant is a set of that height over the whole
+# range, a formula in x is its own graph.
+
 
 def formulas_of_input(draft: VariableDraft, findings: Findings) -> None:
     """Replace the formulas of an input by the shapes they draw.
@@ -148,6 +153,9 @@ def _formula(
     message = f"the formula of '{term.name}' of '{draft.name}' is taken as {drawn}"
     findings.info("formula-as-set", message, term.span)
     return shape or joined(xs, degrees)
+
+
+# ── the reader ───────────────────────────────────────────────────────────────────────
 
 
 class SystemReader:

@@ -203,10 +203,10 @@ _NOTHING = (
 _HINTS = {
     "EOFError": "input() has no answer: write the value into the script",
     "SystemExit": "the script gets no arguments: write the values into it",
+    "AttributeError: 'ControlSystemVisualizer'": "rule.view() fails in this version of "
+    "scikit-fuzzy: leave the line out",
 }
-"""Remedies for common exceptions of a script."""
-
-_VIEW_OF_A_RULE = "'ControlSystemVisualizer' object has no attribute"
+"""Remedies for common exceptions of a script, by the beginning of their kind and message."""
 
 _PACKAGES = {
     "cv2": "opencv-python", "fuzzylite": "pyfuzzylite", "PIL": "Pillow", "RPi": "RPi.GPIO",
@@ -218,11 +218,10 @@ _OF_WINDOWS = {"_winapi", "msvcrt", "nt", "winreg", "winsound"}
 
 
 def _hint(raised: Mapping[str, Any]) -> str:
-    if _VIEW_OF_A_RULE in raised["message"]:
-        return "rule.view() fails in this version of scikit-fuzzy: leave the line out"
     missing = re.match(r"No module named '(\w+)", raised["message"])
     if missing is None or raised["kind"] != "ModuleNotFoundError":
-        return _HINTS.get(raised["kind"], "")
+        error = f"{raised['kind']}: {raised['message']}"
+        return next((hint for start, hint in _HINTS.items() if error.startswith(start)), "")
     if missing[1] in _OF_WINDOWS:
         return f"{missing[1]} is a part of Python on Windows: run this there, or leave it out"
     package = _PACKAGES.get(missing[1], missing[1])

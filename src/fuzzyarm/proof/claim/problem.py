@@ -339,8 +339,7 @@ def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
     at.parameters = watched = Watched(plant.parameters)
     for ports in (at.inputs, at.outputs, at.states):  # they may read a parameter by name, too
         tuple(ports.items())
-    at.longest_step  # noqa: B018
-    roots = expressions_of(at)
+    _, roots = at.longest_step, expressions_of(at)
     by_equations = set(watched.read)
     start_of(at, np.random.default_rng(0))
     if roots is not None:

@@ -32,7 +32,12 @@ class ClaimedPeriods(NamedTuple):
 
 
 def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedPeriods:
-    """Return the control periods that a claim counts in.
+    """Return the control periods that a claim counts in: one rule for search and checker.
+
+    Times are the decimals that they are printed as, and the k-th sample is at k periods. A claim
+    includes both of its ends. An output is continuous: at a sample it is where the period before
+    ends and the next one begins. A drive jumps there: its values before and after both count, at
+    both ends.
 
     Parameters
     ----------

@@ -356,7 +356,7 @@ class _AxisCase:
     def _drive_at(
         self, port: str, point: Mapping[str, float], *, limited: bool = False
     ) -> Interval:
-        """Return the same; a signal of another axis has its range."""
+        """Return bounds of a drive at such a point: a signal of another axis has its range."""
         self.lines.only_values = True
         try:
             at = {name: Interval(x, x) for name, x in point.items()}
