@@ -153,6 +153,13 @@ def test_one_slip_is_one_finding_with_the_line_as_it_should_be(right, wrong):
     assert finding.hint.startswith(("write  ", "did you mean"))
 
 
+def test_a_signal_above_the_axes_is_one_finding():
+    text = TEXT.replace("period 1 ms", "period 1 ms\nv = error of position")
+    (finding,) = faults(text.replace("drive voltage = u", "drive voltage = u + v"))
+    assert finding.name == "unknown-statement"
+    assert "axis NAME" in finding.hint
+
+
 @pytest.mark.parametrize("wrong", ["Ts = 0.001", "period = 0.001", "dt: 1e-3"])
 def test_a_period_without_a_unit_is_in_seconds(wrong):
     (finding,) = faults(TEXT.replace("period 1 ms", wrong))

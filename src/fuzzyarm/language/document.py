@@ -24,7 +24,7 @@ from fuzzyarm.base.diagnostic import (
 )
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.model.rulebase import Rule
-from fuzzyarm.language.phrases import Occurrence, aligned
+from fuzzyarm.language.phrases import NameKind, Occurrence, aligned
 from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, mentions, text_of
 from fuzzyarm.language.statements import (
     CONTROLLER,
@@ -205,6 +205,8 @@ def _group_lines(
                 )
             )
             if replacement is None:
+                if _signal_hint(line, heading):  # its name counts: one slip is one finding
+                    groups.append(_StatementTokens(_signals(), line.tokens[:1], (), ""))
                 elsewhere = STATEMENTS.get(first.text)
                 below_unknown = {"", *(elsewhere.words if elsewhere is not None else ())}
                 continue
@@ -429,6 +431,9 @@ def _read_group(group: _StatementTokens) -> _Read:
     cursor = Cursor(tokens, group.lines, recovers=not is_reported)
     hedges = len(HEDGES.words)
     broken = Broken(group.record.word, cursor.whole)
+    if len(tokens) == 1 and group.record is _signals():  # above the axes, and reported
+        name = Occurrence(NameKind.SIGNAL, tokens[0].text, tokens[0].span, is_definition=True)
+        return _Read(broken, (), (name,))
     try:
         node: StatementNode = group.record.row.read(cursor)
         if cursor.is_damaged or not cursor.at_end:
