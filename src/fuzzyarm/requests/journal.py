@@ -43,6 +43,8 @@ class WorkJournal:
         Name of a line's subject.
     option : str, optional
         Option for the file name, for hints.
+    sealed : bool, optional
+        Whether a last cell, a digest of its line, tells a line that was changed.
     """
 
     def __init__(
@@ -54,9 +56,11 @@ class WorkJournal:
         *,
         piece: str = "run",
         option: str = "-o",
+        sealed: bool = False,
     ) -> None:
-        self.path = Path(path)
-        self.work, self.columns, self.piece, self.option = work, tuple(columns), piece, option
+        self.path, self.sealed = Path(path), sealed
+        self.columns = (*columns, "seal") if sealed else tuple(columns)
+        self.work, self.piece, self.option = work, piece, option
         self.first = f"# fuzzyarm {work} 1\n"
         # Sorted: equal questions give equal bytes.
         request_text = json.dumps(question, sort_keys=True, ensure_ascii=False)
@@ -121,9 +125,9 @@ class WorkJournal:
         rows = []
         for number, row in enumerate(self.resume()):
             try:
-                if len(row) != len(self.columns):
+                if len(row) != len(self.columns) or (self.sealed and row != self._sealed(row[:-1])):
                     raise ValueError
-                rows.append(line(number, row))
+                rows.append(line(number, row[:-1] if self.sealed else row))
             except ValueError:
                 # The head has three lines; people count from 1.
                 message = f"{self.path}: line {number + 4} is not that of {self.piece} {number}"
@@ -133,7 +137,11 @@ class WorkJournal:
 
     def append(self, rows: Iterable[Row]) -> None:
         """Append the next lines."""
-        self._write("".join(map(csv_line, rows)))
+        self._write("".join(map(csv_line, map(self._sealed, rows) if self.sealed else rows)))
+
+    def _sealed(self, row: Row) -> list[str]:
+        """Return a line with a digest of it and of the question."""
+        return [*row, sha256((self.head + csv_line(row)).encode()).hexdigest()[:12]]
 
     def close(self) -> None:
         """Release the file for other work."""

@@ -383,7 +383,7 @@ class _Map:
         }  # fmt: skip
         self.journal = journal = WorkJournal(
             path, "map", question, [*ends, "verdict", "periods", "reason"], piece="box",
-            option="--resume",
+            option="--resume", sealed=True,
         )  # fmt: skip
         if journal.path.is_file() and journal.path.stat().st_size:
             self.boxes = self._with_opposites(journal.read(lambda _, row: _read_row(row)))

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.numbers import decimal, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.claim.problem import ClaimError
@@ -170,7 +170,8 @@ class StartMap(Shown):
 
     @property
     def _longest(self) -> float:
-        return self.period * max((b.periods for b in self.boxes if b.verdict == PROVED), default=0)
+        most = max((b.periods for b in self.boxes if b.verdict == PROVED), default=0)
+        return float(most * decimal(self.period))
 
     def verdict_at(self, **start: float) -> str:
         """Return the verdict on a start, by state; `open` where it is not in the window."""
