@@ -14,13 +14,13 @@ have a name). With --sweep or --random it is `fuzzyarm sweep`: many runs, a line
 
 Examples
 --------
+  fuzzyarm simulate servo.frb --plant motor --step 1 --for 2s --noise position=0.001
+  fuzzyarm simulate heater.frb --plant mine.py:Kiln --connect temperature=T --csv run.csv
+  fuzzyarm simulate rulebases/cartpole.frb --plant cartpole --watch
   fuzzyarm simulate cdid+ie --trajectory pick-and-place --payload
   fuzzyarm simulate pd --angles 60 -30 --segment 1.5 --set K_P=300,200
   fuzzyarm simulate acdid --start cold --payload --conventions study --json
   fuzzyarm simulate fuzzy-direct --rulebase pd7.frb --payload --plot errors.png
-  fuzzyarm simulate servo.frb --plant motor --step 1 --for 2s --noise position=0.001
-  fuzzyarm simulate heater.frb --plant mine.py:Kiln --connect temperature=T --csv run.csv
-  fuzzyarm simulate rulebases/cartpole.frb --plant cartpole --watch
 """
 
 from __future__ import annotations
