@@ -37,11 +37,6 @@ def of_gain(word: str) -> Occurrence:
     return Occurrence(NameKind.SIGNAL, word, span_of(word), is_gain=True)
 
 
-def of_sheet(word: str) -> Occurrence:
-    """Return the mention of a rule base or a table."""
-    return Occurrence(NameKind.USE, word, span_of(word))
-
-
 # --- Times and numbers ---
 
 

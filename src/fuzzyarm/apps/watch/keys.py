@@ -13,9 +13,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fuzzyarm.apps.watch.scenes import WatchScene
 
-HELP = "arrows move the inputs (shift: further), c centre, x and y other inputs, o output, q ends"
-"""The keys of :func:`apply_key`, in one line."""
-
 ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
 """The last character of a terminal's sequence for an arrow: ``ESC [ A``, ``ESC [ 1 ; 2 A``."""
 

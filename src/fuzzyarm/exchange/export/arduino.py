@@ -38,9 +38,6 @@ from fuzzyarm.exchange.export.table import WholeNumberScale
 from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, Names, identifier
 from fuzzyarm.version import __version__
 
-PLACES = ("arduino", "platformio")
-"""Tools that folders are made for."""
-
 _IN_SKETCH = {"setup", "loop", "delay", "millis", "micros", "Serial", "pin"}
 
 _SECONDS_BETWEEN_LINES = 0.5
