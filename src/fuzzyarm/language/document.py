@@ -431,7 +431,7 @@ def _read_group(group: _StatementTokens) -> _Read:
     cursor = Cursor(tokens, group.lines, recovers=not is_reported)
     hedges = len(HEDGES.words)
     broken = Broken(group.record.word, cursor.whole)
-    if len(tokens) == 1 and group.record is _signals():  # above the axes, and reported
+    if len(tokens) == 1 and group.record.word == "signal":  # above the axes, and reported
         name = Occurrence(NameKind.SIGNAL, tokens[0].text, tokens[0].span, is_definition=True)
         return _Read(broken, (), (name,))
     try:
