@@ -782,3 +782,29 @@ def test_a_certificate_of_other_parameters_is_of_the_same_plant(folder):
         assert verdict.certificate is not None
         write_certificate(verdict.certificate, "c.json")
         assert check_certificate("c.json", text).proved
+
+
+@pytest.mark.parametrize("delayed", ["sensor", "actuator"])
+def test_delays_of_a_part_of_a_period_are_refused_also_of_ports_of_one_name(folder, delayed):
+    """The sensor's went unseen beside an actuator of its name, and was taken for one period."""
+    rates = "[u[0] - x[0], -x[1]]"
+    text = PLANT.format(
+        name="P", states='{"y": "m", "x": "m"}', parameters={}, start="[0.0, 0.0]", rates=rates
+    )
+    text = text.replace("10.0)}\n    states", '10.0), "u": Port("m")}\n    states')
+    if delayed == "actuator":
+        text = text.replace("-5.0, 5.0", "-5.0, 5.0, delay=0.013")
+    (folder / "p.py").write_text(text)
+    (folder / "c.frb").write_text(LAW.format("  z = measured u\n"))
+    sensors = {"u": Sensor(delay=0.013)} if delayed == "sensor" else {}
+    with pytest.raises(LoopProofError, match=r"1\.3 control periods"):
+        loop_problem(load_controller("c.frb"), find_plant("p.py"), sensors=sensors)
+
+
+def test_a_delay_of_very_many_periods_is_refused(folder):
+    """Each was a state, and the matrices of a loop of 100,000 do not fit into memory."""
+    servo, motor = load_controller(shipped("servo.frb")), find_plant("motor")
+    delay = {"position": Sensor(delay=100.0)}
+    for inside in (False, True):
+        with pytest.raises(LoopProofError, match="100,000 control periods"):
+            loop_problem(servo, motor, sensors=delay, inside=inside)

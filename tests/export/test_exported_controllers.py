@@ -27,6 +27,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from st_programs import Program
 
+from fuzzyarm import load_controller
 from fuzzyarm.apps.cli import main
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.exchange import compiled
@@ -501,3 +502,44 @@ def test_without_a_constant_gain_nothing_is_said_of_the_rules(body):
     text = text_of(BESIDE_RULES.format("e").replace("  v  = u / 2 - e", f"{more}  v = {body}"))
     program, _ = compiled.controller_program(text, compiled.Making(table=True), "float64")
     assert program.beside_rules == ""
+
+
+BESIDE_RULES = {
+    "a factor": "  drive voltage = w - u * 3",
+    "nothing": "  drive voltage = w",
+    "another axis": "axis rotor\n  s = shaft.u * 3\n  drive voltage = s",
+    "a zoom": "  zoom u, w by 2 inside 3\n  drive voltage = w",
+    "a zoom of another axis": (
+        "  zoom u, w by 2 inside 3\naxis rotor\n  s = shaft.w * 2\n  drive voltage = s"
+    ),
+    "a table that learns": (
+        "  learn F by P(u, ce), delay 0\n  f = table F(e, ce)\n  drive voltage = f"
+    ),
+    "a choice": "  v = w where u > 1 else e\n  drive voltage = v",
+}
+"""Ways from rules to a drive."""
+
+
+@pytest.mark.parametrize("way", BESIDE_RULES)
+def test_a_drive_with_tables_is_as_near_to_that_with_rules_as_is_stated(way, tmp_path):
+    performance = f'from "{shipped("performance-yamazaki.lut")}"'
+    (tmp_path / "law.frb").write_text(
+        f'controller law\nuse pd7 from "pd7.frb"\nuse F {performance}\nuse P {performance}\n'
+        "period 1 ms\naxis shaft\n  e = error of position\n  ce = error of velocity\n"
+        f"  w = error of current\n  u = rules pd7(e, ce)\n{BESIDE_RULES[way]}\n"
+    )
+    rules = load_controller(tmp_path / "law.frb")
+    program, _ = compiled.controller_program(rules, compiled.Making(table=True, levels=3), "mixed")
+    generator, worst = np.random.default_rng(1), 0.0
+    for errors in generator.uniform(-7.0, 7.0, (100, 3)):
+        values = dict(zip(("position", "velocity", "current"), errors, strict=True))
+        drives = []
+        for controller in (rules, program.text):
+            run = controller.run()
+            measured = {name: values[name.rpartition(".")[2]] for name in run.inputs}
+            drives += run.step(measured, dict.fromkeys(run.inputs, 0.0)).values()
+        worst = max(worst, abs(drives[0] - drives[1]))
+    assert (worst > 0.0) == (way != "nothing")
+    stated = re.search(r"voltage by at most (\S+)", program.beside_rules)
+    assert (stated is not None) == (way in ("a factor", "nothing"))
+    assert stated is None or worst <= float(stated[1])

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
+from fractions import Fraction
 
+import pytest
+
+from fuzzyarm import load_rulebase, prove, shipped
 from fuzzyarm.proof import stop as stop_module
-from fuzzyarm.proof.stop import Stop
+from fuzzyarm.proof.loop.affine import Affine
+from fuzzyarm.proof.loop.form_maker import solved
+from fuzzyarm.proof.map import Prover
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 
 def test_waiting_is_no_work() -> None:
@@ -34,3 +42,19 @@ def test_in_another_thread_the_clock_counts() -> None:
     thread.start()
     thread.join()
     assert found == [True]
+
+
+def test_the_rest_of_a_loop_is_sought_within_the_budget() -> None:
+    """In rationals: with 250 periods of a delay that took minutes, whatever the budget."""
+    rows = [Affine(Fraction(-2), {"x": Fraction(1)}), Affine(Fraction(0), {"y": Fraction(3)})]
+    assert solved(rows, ["x", "y"]) == [2, 0]
+    with pytest.raises(TimeOverError), Stop(0.0):
+        solved(rows, ["x", "y"])
+
+
+@pytest.mark.parametrize("tolerance", [math.inf, 1e308])
+def test_a_tolerance_may_be_any(tolerance: float) -> None:
+    pd7 = load_rulebase(shipped("pd7.frb"))
+    bounds = Prover(pd7, "u", tolerance=tolerance).steepness({})
+    assert bounds.high >= bounds.reached_high > 0.0
+    assert prove(pd7, "u slope e in -9 .. 9", tolerance=tolerance).verdict != "refuted"

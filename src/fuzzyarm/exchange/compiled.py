@@ -16,7 +16,7 @@ from fuzzyarm.base.diagnostic import MAX_LEVELS
 from fuzzyarm.base.errors import WordError
 from fuzzyarm.base.folders import MODULES, NETWORK
 from fuzzyarm.base.numbers import outward_text
-from fuzzyarm.language.model.controller import Axes, Drive, Product, SignalLine
+from fuzzyarm.language.model.controller import Axes, Drive, Product, SignalLine, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.map.tables import table_proof
 from fuzzyarm.requests.fields import RequestError
@@ -316,8 +316,10 @@ def _beside_rules(
         if fidelity.mode == (how.mode or report.table.default_mode)
     }
     within: dict[str, float] = {}
+    further_up: set[str] = set()  # signals of axes that depend on rules
     index = 0
     for axes in text.model.axes:
+        rules = [x for x in axes.lines if isinstance(x, SignalLine) and _is_of_rules(x)]
         for axis in axes.names:
             numbers = {
                 gain.name: gain.values[index if len(gain.values) > 1 else 0].value(math.pi)
@@ -327,9 +329,15 @@ def _beside_rules(
                 name = drive.port if text.model.has_one_axis else f"{axis}.{drive.port}"
                 within[name] = within.get(name, 0.0) + sum(
                     _difference(axes, line, drive, numbers, text.sheets, index, errors)
-                    for line in axes.lines
-                    if isinstance(line, SignalLine)
+                    for line in rules
                 )
+                if any(line is drive for line in axes.moved_by(further_up)):
+                    within[name] = math.inf
+            own = {name for line in rules for name in line.names}
+            for line in axes.moved_by(further_up | own):
+                if isinstance(line, SignalLine | Zoom):
+                    own |= set(line.names if isinstance(line, SignalLine) else line.signals)
+            further_up |= {f"{axis}.{name}" for name in own}
             index += 1
     known = [
         f"{name} by at most {outward_text(x, up=True, digits=3)}"
@@ -344,6 +352,10 @@ def _beside_rules(
     )
 
 
+def _is_of_rules(line: SignalLine) -> bool:
+    return line.source is not None and line.source.kind == "rules"
+
+
 def _difference(
     axes: Axes,
     line: SignalLine,
@@ -354,8 +366,7 @@ def _difference(
     errors: Mapping[tuple[int, str], float | None],
 ) -> float:
     """Return the part of a line with rules in the difference of a drive; infinite if unknown."""
-    if line.source is None or line.source.kind != "rules":
-        return 0.0
+    assert line.source is not None
     there = sheets[line.source.name]
     rulebase = there[index if len(there) > 1 else 0]
     assert isinstance(rulebase, RuleBase)

@@ -441,20 +441,45 @@ class Axes:
         tuple of Product or None
             Their sum is the gain; None where it is not constant.
         """
-        gains: dict[str, Products | None] = {}
-        for line in self.lines:
-            if isinstance(line, SignalLine) and line.source is not None and name in line.names:
-                gains[name] = _times((Product(()),), line.products, constants)
-            elif isinstance(line, SignalLine) and gains.keys() & set(line.reads()):
+        definition = next(
+            (x for x in self.lines if isinstance(x, SignalLine) and name in x.names), None
+        )
+        if definition is None or not any(line is drive for line in self.lines):
+            return None
+        gains = {name: _times((Product(()),), definition.products, constants)}
+        for line in self.moved_by((name,)):
+            if line is drive:
+                break
+            if isinstance(line, SignalLine):
                 # A filter, a rule base or a table in between: no constant gain.
                 through = None if line.source is not None else line.products
                 gains |= dict.fromkeys(line.names, _gain_through(through, gains, constants))
             elif isinstance(line, Zoom):
-                # A zoom changes the gain with the signal: None.
-                gains |= dict.fromkeys(gains.keys() & set(line.signals))
-            if line is drive:
-                return _gain_through(drive.products, gains, constants)
-        return None
+                # A zoom changes the gains of all its signals with one of them: None.
+                gains |= dict.fromkeys(line.signals)
+        return _gain_through(drive.products, gains, constants)
+
+    def moved_by(self, names: Collection[str]) -> Iterator[Line]:
+        """Yield the lines that depend in the same period on some signals, in order.
+
+        Parameters
+        ----------
+        names : collection of str
+            Signals of this axis, and of those further up as ``AXIS.NAME``.
+        """
+        moved, taught = set(names), set[str]()  # signals, and tables that learn from them
+        for line in self.lines:
+            source = line.source if isinstance(line, SignalLine) else None
+            looks_up = source is not None and source.kind == "table" and source.name in taught
+            if not looks_up and not moved & set(line.reads()):
+                continue
+            if isinstance(line, SignalLine):
+                moved |= set(line.names)
+            elif isinstance(line, Zoom):
+                moved |= set(line.signals)
+            elif isinstance(line, Learn):
+                taught |= {line.table}
+            yield line
 
 
 Products = tuple[Product, ...]

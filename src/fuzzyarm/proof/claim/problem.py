@@ -191,6 +191,20 @@ def require_one_rate(model: ControllerModel) -> None:
         raise LoopProofError(f"{message}: loops are proved with one rate")
 
 
+LONGEST_DELAY = 1000
+"""Control periods of a delay: each is a state of the loop, and matrices have their square."""
+
+
+def _demand_short_delays(delays: Mapping[str, float], period: float) -> None:
+    """Refuse a delay of so many periods that matrices of the loop do not fit into memory."""
+    for name, delay in delays.items():
+        if not delay <= LONGEST_DELAY * period:
+            raise LoopProofError(
+                f"the delay of '{name}' is {delay / period:,.0f} control periods, each a state of"
+                f" the loop: nothing is proved with more than {LONGEST_DELAY:,}"
+            )
+
+
 def _demand_whole_delays(delays: Mapping[str, float], period: float) -> None:
     """Refuse a fraction of a period: a sensor would round it, an actuator changes inside."""
     for name, delay in delays.items():
@@ -261,9 +275,11 @@ def loop_problem(
         raise LoopProofError(f"nothing in {text.model.name} is called '{name}', to be connected")
     _demand_driven_from_zero(text, site)
     delays = {name: sensor.delay for name, sensor in (sensors or {}).items()}
-    if not inside:
-        delays |= {name: port.dead_time for name, port in plant.inputs.items()}
-    _demand_whole_delays(delays, text.model.period)
+    dead_times = {name: port.dead_time for name, port in plant.inputs.items()}
+    for times in (delays, dead_times):  # an actuator and a sensor may have one name
+        _demand_short_delays(times, text.model.period)
+        if times is delays or not inside:
+            _demand_whole_delays(times, text.model.period)
     numbers = {name: parameter(plant, name).value for name in plant.parameters}
     values = {name: Interval(x, x) for name, x in numbers.items()} | values
     begun, unknown = _begun(plant, values)

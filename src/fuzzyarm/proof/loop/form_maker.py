@@ -26,7 +26,7 @@ from fuzzyarm.proof.loop.outward import exact_bounds
 from fuzzyarm.proof.loop.period import LoopPeriod
 from fuzzyarm.proof.loop.resting import rest_in_floats, unread_state
 from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
-from fuzzyarm.proof.stop import Stop
+from fuzzyarm.proof.stop import Stop, check_time
 from fuzzyarm.symbolic.nodes import Symbol
 
 DOUBT = 1e-9
@@ -146,7 +146,7 @@ class FormMaker:
         inputs, after, _ = self._one_period(algebra, states)
         rates = self._rates(algebra, states, inputs)
         residuals = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
-        solution = _solved(residuals, names)
+        solution = solved(residuals, names)
         if solution is None:
             read = {name for residual in residuals for name in residual.parts}
             raise unread_state([name for name in self.problem.states if name not in read]) or (
@@ -369,11 +369,12 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
     return names
 
 
-def _solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
+def solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
     """Solve rows = 0 in rationals; None where that is not one point."""
     matrix = [[*row_of(row, names, 0), -row.constant] for row in rows]
     size = len(names)
     for column in range(size):
+        check_time()
         pivot = next((k for k in range(column, size) if matrix[k][column]), None)
         if pivot is None:
             return None
@@ -382,5 +383,8 @@ def _solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | No
         for k in range(size):
             if k != column and matrix[k][column]:
                 factor = matrix[k][column] / head[column]
-                matrix[k] = [x - factor * y for x, y in zip(matrix[k], head, strict=True)]
+                # Rows of delays are nearly empty.
+                matrix[k] = [
+                    x - factor * y if y else x for x, y in zip(matrix[k], head, strict=True)
+                ]
     return [matrix[k][size] / matrix[k][k] for k in range(size)]

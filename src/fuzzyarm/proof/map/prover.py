@@ -52,6 +52,9 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.map.boxes import Boxes
     from fuzzyarm.table import LookupTable
 
+WIDEST = 1e100
+"""Any bounds are within this tolerance: no range has a larger end."""
+
 Make = Callable[[Surface], Quotients]
 
 Box = tuple[tuple[Fraction, Fraction], ...]
@@ -119,7 +122,8 @@ class Prover:
         low, high = self.output.low, self.output.high
         self.range = high - low if math.isfinite(high - low) else 1.0
         self.tolerance = tolerance
-        self.gap = tolerance if tolerance is not None else GAP * self.range
+        # Multiples of a tolerance without bounds are numbers, too.
+        self.gap = min(tolerance, WIDEST) if tolerance is not None else GAP * self.range
         self.inputs = rulebase.inputs
         self.names = tuple(variable.name for variable in self.inputs)
         self.fixed: dict[str, Fraction] = {}
