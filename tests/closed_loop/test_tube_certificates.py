@@ -57,7 +57,7 @@ def sets_of(follower, box, count):
     """Return the sets of a box, sample by sample."""
     sets = [follower._begin([box])]
     for k in range(count - 1):
-        after, _ = follower._period(sets[-1], first=k == 0, port="")
+        after, _ = follower._period(sets[-1], k)
         sets.append(follower.numbers.fewer(after, 14))
     return sets
 
@@ -170,7 +170,7 @@ def followed_together(follower, boxes, periods):
     follower.numbers.sets, follower.numbers.symbols = len(boxes), 0
     forms, ends = follower._begin(boxes), []
     for k in range(periods):
-        forms, _ = follower._period(forms, first=k == 0, port="")
+        forms, _ = follower._period(forms, k)
         forms = follower.numbers.fewer(forms, 14)
         spans = [form.span for form in forms]
         ends.append([[np.broadcast_to(x, len(boxes)) for x in side]

@@ -15,7 +15,7 @@ from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
 from fuzzyarm.language.document import Statement
 from fuzzyarm.language.loop_claims import LoopClaimNode
-from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.claims import LoopClaim, reference_fault
 from fuzzyarm.language.model.controller import (
     Axes,
     ControllerModel,
@@ -160,6 +160,9 @@ class _Scope:
                     self._turned(f"the interval of '{stretch.name}'", stretch.low, stretch.high)
             self._judge_names_of(node)
             claim = node.claim
+            message, hint = reference_fault(claim)
+            if message:
+                self.scope.report("bad-reference", message, node.span, hint=hint)
             if claim.begin > claim.end:
                 message = f"the time ends at {claim.end:g} s, before it begins at {claim.begin:g} s"
                 self.scope.report("bad-range", message, node.span)

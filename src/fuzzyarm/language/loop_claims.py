@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
+from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, Figure, Span, Word
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.claims import FollowedReference, LoopClaim
 from fuzzyarm.language.model.controller import Time
 from fuzzyarm.language.parts import (
     FixedText,
@@ -25,7 +25,7 @@ from fuzzyarm.language.parts import (
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.signals import read_time, time_text
-from fuzzyarm.language.tokens import Cursor, name_text
+from fuzzyarm.language.tokens import Cursor, Fault, name_text
 
 
 class StateStretch(NamedTuple):
@@ -50,8 +50,16 @@ def _stretch_text(stretch: StateStretch) -> str:
     return f"{name_text(stretch.name)} in {low} .. {high}"
 
 
+class FollowedNode(NamedTuple):
+    """``PORT follows KIND …``: its numbers, in the order of :class:`FollowedReference`."""
+
+    port: Word
+    kind: str
+    numbers: tuple[Figure | Time, ...]
+
+
 class LoopClaimNode(NamedTuple):
-    """``prove [stable] on PLANT [at …] [with …] [from …][: OUTPUT in LOW .. HIGH [WHEN]]``."""
+    """``prove [stable] on PLANT [at …] [with …] [from …] [while …][: [error of] PORT in …]``."""
 
     stable: bool
     plant: Word
@@ -63,6 +71,8 @@ class LoopClaimNode(NamedTuple):
     begin: Time | Figure | None = None
     end: Time | None = None
     span: Span = NOWHERE
+    follows: tuple[FollowedNode, ...] = ()
+    error: bool = False
 
     @property
     def stretches(self) -> tuple[StateStretch, ...]:
@@ -101,6 +111,11 @@ class LoopClaimNode(NamedTuple):
             begin,
             end,
             self.span,
+            tuple(
+                FollowedReference(str(port), kind, tuple(map(float, numbers)))
+                for port, kind, numbers in self.follows
+            ),
+            self.error,
         )
 
 
@@ -116,6 +131,105 @@ def _read_set_points(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
 
 def _set_points_text(set_points: Iterable[tuple[str, float]]) -> str:
     return ", ".join(f"{name_text(port)} = {number_text(value)}" for port, value in set_points)
+
+
+# --- references that move ---
+
+
+def _read_ends(cursor: Cursor) -> tuple[Figure, Figure]:
+    start = cursor.figure("the value before")
+    cursor.expect("..", "between both values")
+    return start, cursor.figure("the value after")
+
+
+def _read_step(cursor: Cursor) -> tuple[Figure | Time, ...]:
+    start, to = _read_ends(cursor)
+    cursor.expect("at", "before the time of the step")
+    return to, read_time(cursor, "when it steps", 1.0), start
+
+
+def _read_ramp(cursor: Cursor) -> tuple[Figure | Time, ...]:
+    start = cursor.figure("the value before")
+    cursor.expect("by", "before the rate of the ramp")
+    rate = cursor.figure("the rate, in the unit of the port per second")
+    cursor.expect("at", "before the time of the ramp")
+    return rate, read_time(cursor, "when it begins", 1.0), start
+
+
+def _read_sine(cursor: Cursor) -> tuple[Figure | Time, ...]:
+    amplitude = cursor.figure("the amplitude")
+    cursor.expect("at", "before the frequency")
+    hertz = cursor.figure("the frequency")
+    cursor.expect("Hz", f"after {number_text(hertz)}")
+    middle = (cursor.figure("the middle"),) if cursor.accept("around") else ()
+    return amplitude, hertz, *middle
+
+
+def _read_quintic(cursor: Cursor) -> tuple[Figure | Time, ...]:
+    """Read moves from rest to rest, each from where the one before it has ended."""
+    start, to = _read_ends(cursor)
+    cursor.expect("in", "before the time of the move")
+    numbers: list[Figure | Time] = [to, _read_duration(cursor), start]
+    while _is_move(cursor):
+        cursor.take()
+        begin, end = _read_ends(cursor)
+        if begin != to:
+            message = f"a move goes on from {number_text(to)}, where the one before it ends"
+            raise Fault(Diagnostic("bad-range", message, begin.span, replacement=number_text(to)))
+        cursor.expect("in", "before the time of the move")
+        numbers += [end, _read_duration(cursor)]
+        to = end
+    return tuple(numbers)
+
+
+def _read_duration(cursor: Cursor) -> Time:
+    duration = read_time(cursor, "how long the move takes", 1.0)
+    if not duration.figure > 0.0:
+        raise Fault(Diagnostic("bad-range", "a move takes some time", duration.figure.span))
+    return duration
+
+
+def _is_move(cursor: Cursor) -> bool:
+    """Tell whether another move follows, rather than another port."""
+    token = cursor.peek(1)
+    return cursor.next_is(",") and token is not None and (
+        token.kind == "number" or token.text in ("-", "+")
+    )  # fmt: skip
+
+
+FOLLOWED = {
+    "step": _read_step, "ramp": _read_ramp, "sine": _read_sine, "quintic": _read_quintic,
+}  # fmt: skip
+"""Kinds of reference, and how the words after each are read."""
+
+
+def _read_follows(cursor: Cursor) -> tuple[FollowedNode, ...]:
+    follows: list[FollowedNode] = []
+    while not follows or cursor.accept(","):
+        cursor.suggest("ports")
+        port = cursor.name("an output of the plant")
+        cursor.expect("follows", f"after '{port}'")
+        kind = cursor.word(f"one of {', '.join(FOLLOWED)}", FOLLOWED, "unexpected-token")
+        follows.append(FollowedNode(port, str(kind), FOLLOWED[kind](cursor)))
+    return tuple(follows)
+
+
+def _follows_text(follows: Iterable[FollowedNode]) -> str:
+    return ", ".join(
+        f"{name_text(each.port)} follows {each.kind} {_reference_text(each)}" for each in follows
+    )
+
+
+def _reference_text(node: FollowedNode) -> str:
+    first, second, *rest = (
+        time_text(x) if isinstance(x, Time) else number_text(x) for x in node.numbers
+    )
+    if node.kind == "sine":
+        return f"{first} at {second} Hz{''.join(f' around {x}' for x in rest)}"
+    if node.kind != "quintic":
+        return f"{rest[0]} {'..' if node.kind == 'step' else 'by'} {first} at {second}"
+    ends, times = [rest[0], first, *rest[1::2]], [second, *rest[2::2]]
+    return ", ".join(f"{a} .. {b} in {t}" for a, b, t in zip(ends, ends[1:], times, strict=False))
 
 
 def _stretches(field: str, kind: NameKind, what: str, label: str) -> Phrase:
@@ -142,7 +256,7 @@ def _occurrence(kind: NameKind, word: Word) -> Occurrence:
 
 
 class _Claim(Part):
-    """``: OUTPUT in LOW .. HIGH [WHEN]``, which may be left out where the claim is ``stable``."""
+    """``: [error of] OUTPUT in LOW .. HIGH [WHEN]``; a claim of stability may be without it."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         if not values["stable"]:
@@ -150,6 +264,9 @@ class _Claim(Part):
         # A claim of stability needs no output.
         elif not cursor.accept(":"):
             return
+        if cursor.next_is("of", 1) and cursor.accept("error"):
+            cursor.take()
+            values["error"] = True
         values["output"] = _read_stretch(cursor, "an output of the plant", "ports")
         if cursor.accept("during"):
             values["when"], values["begin"] = "during", cursor.figure("when it begins")
@@ -164,7 +281,7 @@ class _Claim(Part):
         if node.output is None:
             return
         line.add(":", "before")
-        line.add(_stretch_text(node.output))
+        line.add("error of " * node.error + _stretch_text(node.output))
         begin, end = node.begin, node.end
         if begin is not None and end is not None:
             line.add(f"during {number_text(begin)} .. {time_text(end)}")
@@ -172,13 +289,15 @@ class _Claim(Part):
             line.add(f"after {time_text(begin)}")
 
     def sketch(self, line: Printed) -> None:
-        line.add("[: PORT in A .. B [during A .. B s | after TIME | always]]", "before")
+        line.add("[: [error of] PORT in A .. B [during A .. B s | after TIME | always]]", "before")
 
     def mentions(self, node: LoopClaimNode) -> Iterator[Occurrence]:
         if node.output is not None:
             yield _occurrence(NameKind.PORT, node.output.name)
 
     def words(self) -> Iterator[tuple[str, str]]:
+        yield "error", "reference less output"
+        yield "of", ""
         yield "in", ""
         yield "during", "while a time lasts"
         yield "after", "from a time on"
@@ -216,6 +335,27 @@ LOOP_CLAIM_ROW = StatementRow(
         FixedText("from"),
         _stretches("start", NameKind.STATE, "a state of the plant", "STATE in A .. B"),
     ),
+    Maybe(
+        FixedText("while", "", "references that move"),
+        Phrase(
+            "follows",
+            _read_follows,
+            "PORT follows step A .. B at TIME | ramp A by RATE at TIME | sine A at N Hz [around B]"
+            " | quintic A .. B in TIME, ...",
+            _follows_text,
+            lambda follows: (_occurrence(NameKind.PORT, each.port) for each in follows),
+            empty=(),
+            words={
+                "follows": "a reference that moves",
+                "step": "from one value to another",
+                "ramp": "at a rate",
+                "sine": "with a frequency",
+                "quintic": "moves from rest to rest, the smoothest of their times",
+                "Hz": "",
+                "around": "the middle of a sine",
+            },
+        ),
+    ),
     _Claim(),
 )
 
@@ -248,4 +388,20 @@ def claim_node(claim: LoopClaim) -> LoopClaimNode:
         begin,
         seconds(claim.end) if claim.when == "during" else None,
         claim.span,
+        tuple(
+            FollowedNode(
+                Word(port),
+                kind,
+                tuple(
+                    seconds(x) if _is_time(kind, k) else figure(x) for k, x in enumerate(numbers)
+                ),
+            )
+            for port, kind, numbers in claim.follows
+        ),
+        claim.error,
     )
+
+
+def _is_time(kind: str, index: int) -> bool:
+    """Tell whether a number of a reference is a time: the second one, and further ones of moves."""
+    return kind != "sine" and (index == 1 or (index > 3 and not index % 2))

@@ -17,19 +17,22 @@ RUNS = 40
 
 
 def tube_chart(way: Tube, title: str, claim: LoopClaim | None = None) -> Chart:
-    """Return the outputs of a plant over time: the tube, with runs from corners and interior."""
+    """Return outputs and errors of a loop over time: the tube, with runs from its starts."""
     from fuzzyarm.proof.claim.text import claimed_port
-    from fuzzyarm.proof.loop.runs import sampled_runs
+    from fuzzyarm.proof.loop.runs import sampled_runs, values_of
 
-    ports = way.problem.site.interface.outputs.values()
-    outputs = list(way.ports[: len(ports)])
+    interface = way.problem.site.interface
+    count = len(interface.outputs)
+    outputs = [*way.ports[:count], *way.ports[count + len(interface.inputs) :]]
+    ports = [*interface.outputs.values(), *(interface.outputs[a] for a in way.problem.errors)]
     runs = sampled_runs(way.problem, way.duration, RUNS)
+    values = [values_of(way.problem, run) for run in runs]
     port = claimed_port(way.problem, claim) if claim is not None and claim.output else ""
     rows: list[list[Panel | None]] = []
     for name, output in zip(outputs, ports, strict=True):
         parts: list[ChartPart] = [_tube(way, name)]
         parts += [
-            Line(run.time, run.outputs[name], "ink", 0.5, label="" if k else "runs", opacity=0.7)
+            Line(run.time, values[k][name], "ink", 0.5, label="" if k else "runs", opacity=0.7)
             for k, run in enumerate(runs)
         ]
         if claim is not None and name == port:

@@ -717,8 +717,9 @@ def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
         for what, names, names_there in (
             ("state", [name for name, _, _ in claim.start], set(kind.states)),
             ("parameter", [name for name, _, _ in claim.parameters], set(kind.parameters)),
-            ("port", [name for name, _ in claim.at] + [claim.output][: bool(claim.output)], ports),
-        ):
+            ("port", [*(name for name, _ in claim.at), *(each.port for each in claim.follows),
+                      *([claim.output] if claim.output else ())], ports),
+        ):  # fmt: skip
             for name in names:
                 if name not in names_there:
                     hint = (

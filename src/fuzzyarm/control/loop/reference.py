@@ -8,22 +8,42 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
+from fractions import Fraction
+from functools import cached_property
+from itertools import accumulate, cycle, islice, zip_longest
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.base.names import near_hint, shortened
-from fuzzyarm.base.numbers import counted, read_time
+from fuzzyarm.base.numbers import counted, decimal, read_time
 from fuzzyarm.base.protected import note_source
 from fuzzyarm.plant.plant import PlantError
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.nodes import Node, as_node, symbol
 
 Vector = NDArray[np.float64]
 
 Derivatives = tuple[Vector, Vector, Vector]
 """A signal at some times, its rate and its acceleration."""
+
+
+class TracedSignal(NamedTuple):
+    """A signal as expressions, for proofs.
+
+    Attributes
+    ----------
+    roots : tuple of Node
+        Value, rate and acceleration over ``t``, s, and its numbers, ``n0`` …
+    numbers : dict of str to Fraction
+        Those numbers: times as the decimals that they are printed as, others exactly.
+    """
+
+    roots: tuple[Node, Node, Node]
+    numbers: Mapping[str, Fraction]
 
 
 class SignalError(PlantError, UsageError):
@@ -58,16 +78,16 @@ class Signal:
         if kind is None:
             hint = near_hint(self.kind, KINDS)[0] or f"one of {', '.join(KINDS)}"
             raise SignalError(f"no reference is called '{self.kind}'", name=self.kind, hint=hint)
-        if self.kind != "file" and not kind.least <= len(self.numbers) <= len(kind.words):
-            hint = f"{self.kind}:{','.join(kind.words)}"
+        if self.kind != "file" and not kind.takes(len(self.numbers)):
+            hint = f"{self.kind}:{','.join((*kind.words, *kind.more))}"
             message = f"a {self.kind} does not take {counted(len(self.numbers), 'number')}"
             raise SignalError(message, name=self.kind, hint=hint)
         for number in self.numbers:
             if not math.isfinite(number) or abs(number) > 1e12:
                 raise SignalError(f"{number} in a reference is out of range", name=self.kind)
-        if self.kind == "quintic" and not self.numbers[1] > 0:
-            message = f"a move of {self.numbers[1]:g} s is out of range"
-            raise SignalError(message, name=self.kind)
+        for word, number in self.named:
+            if word == "SECONDS" and not number > 0:
+                raise SignalError(f"a move of {number:g} s is out of range", name=self.kind)
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.path or ','.join(f'{number:g}' for number in self.numbers)}"
@@ -76,7 +96,59 @@ class Signal:
         """Return value, rate and acceleration at some times, s."""
         if self.kind == "file":
             return _from_file(self.path, time)
-        return KINDS[self.kind].form(time, *self.numbers)
+        found = KINDS[self.kind].form(time, *self.numbers)
+        value, rate, acceleration = (np.broadcast_to(x, np.shape(time)) for x in found)
+        return value, rate, acceleration
+
+    @property
+    def named(self) -> list[tuple[str, float]]:
+        """Its numbers, each with what it is in :data:`KINDS`."""
+        return list(zip(KINDS[self.kind].names(len(self.numbers)), self.numbers, strict=False))
+
+    @cached_property
+    def traced(self) -> TracedSignal:
+        """The same formulas as expressions; not of a file."""
+        names = [f"n{k}" for k in range(len(self.numbers))]
+        value, rate, acceleration = KINDS[self.kind].form(symbol("t"), *map(symbol, names))
+        exact = (decimal(x) if word in _TIMES else Fraction(x) for word, x in self.named)
+        roots = as_node(value), as_node(rate), as_node(acceleration)
+        return TracedSignal(roots, dict(zip(names, exact, strict=True)))
+
+    @cached_property
+    def stations(self) -> list[tuple[Fraction, float]]:
+        """Between which values it moves, and from when on it has each of them, s.
+
+        Empty of a ramp, a sine and a file, which come to no last one.
+        """
+        numbers = self.numbers
+        start = numbers[2] if len(numbers) > 2 else 0.0
+        if self.kind == "step":
+            at = decimal(numbers[1]) if len(numbers) > 1 else Fraction(0)
+            return [*([(Fraction(0), start)] if at > 0 else []), (at, numbers[0])]
+        if self.kind == "quintic":
+            ends = accumulate(map(decimal, (numbers[1], *numbers[4::2])))
+            return [(Fraction(0), start), *zip(ends, (numbers[0], *numbers[3::2]), strict=True)]
+        return []
+
+    @property
+    def jump(self) -> Fraction | None:
+        """When a step or the rate of a ramp jumps, s, where it is constant before; else None."""
+        at = dict(self.named).get("AT", 0.0)
+        return decimal(at) if at > 0.0 else None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is anything but one value from the start on."""
+        return len(self.stations) != 1
+
+    @property
+    def reach(self) -> float:
+        """Its largest magnitude at any time, at least."""
+        if self.stations:
+            return max(abs(value) for _, value in self.stations)
+        if self.kind == "sine":
+            return abs(self.numbers[0]) + abs(sum(self.numbers[2:]))
+        return math.inf
 
 
 def read_signal(text: str) -> Signal:
@@ -113,11 +185,11 @@ def read_signal(text: str) -> Signal:
 
 def _numbers(kind: str, words: Sequence[str]) -> Iterator[float]:
     """Yield the numbers of a signal; a time may have its unit."""
-    names = KINDS[kind].words if kind in KINDS else ()
+    names = KINDS[kind].names(len(words)) if kind in KINDS else ()
     for name, word in zip_longest(names, words):
         if word is None:
             return
-        is_time = name in ("AT", "SECONDS") and word.strip()[-1:].isalpha()
+        is_time = name in _TIMES and word.strip()[-1:].isalpha()
         yield read_time(word, name) if is_time else float(word)
 
 
@@ -160,50 +232,69 @@ def as_number(value: float, what: str, expected: str = "a number") -> float:
         raise SignalError(message, name=what) from None
 
 
-# --- The kinds ---
+# --- The kinds: formulas over arrays of times, or over expressions (`Signal.traced`) ---
+
+BESIDE = 1.0 - 2.0**-51
+"""Of a time, what the rounding of a multiple of the period may leave: 3 · 9 ms is 27 ms."""
+
+_TIMES = ("AT", "SECONDS")
 
 
-def _step(t: Vector, to: float, at: float = 0.0, start: float = 0.0) -> Derivatives:
-    zero = np.zeros_like(t)
-    return np.where(t >= at, to, start), zero, zero
+def _step(t: Any, to: Any, at: Any = 0.0, start: Any = 0.0) -> tuple[Any, Any, Any]:
+    return op.where(t >= at * BESIDE, to, start), 0.0, 0.0
 
 
-def _ramp(t: Vector, rate: float, at: float = 0.0, start: float = 0.0) -> Derivatives:
-    moves = t >= at
-    zero = np.zeros_like(t)
-    return start + rate * np.maximum(t - at, 0.0), np.where(moves, rate, 0.0), zero
+def _ramp(t: Any, rate: Any, at: Any = 0.0, start: Any = 0.0) -> tuple[Any, Any, Any]:
+    moves = t >= at * BESIDE
+    return start + rate * op.maximum(t - at, 0.0), op.where(moves, rate, 0.0), 0.0
 
 
-def _sine(t: Vector, amplitude: float, frequency: float, offset: float = 0.0) -> Derivatives:
+def _sine(t: Any, amplitude: Any, frequency: Any, offset: Any = 0.0) -> tuple[Any, Any, Any]:
     w = 2.0 * math.pi * frequency
-    value = amplitude * np.sin(w * t)
-    return offset + value, w * amplitude * np.cos(w * t), -w * w * value
+    value = amplitude * op.sin(w * t)
+    return offset + value, w * amplitude * op.cos(w * t), -w * w * value
 
 
-def _quintic(t: Vector, to: float, duration: float, start: float = 0.0) -> Derivatives:
-    # Minimum-jerk polynomial, from rest to rest: 10 s³ - 15 s⁴ + 6 s⁵ of the way.
-    s = np.clip(t / duration, 0.0, 1.0)
-    way = to - start
-    value = start + way * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-    rate = way / duration * s * s * (30.0 - 60.0 * s + 30.0 * s * s)
-    acceleration = way / duration**2 * s * (60.0 - 180.0 * s + 120.0 * s * s)
+def _quintic(t: Any, to: Any, duration: Any, start: Any = 0.0, *more: Any) -> tuple[Any, Any, Any]:
+    # Minimum-jerk polynomials, each from rest to rest: 10 s³ - 15 s⁴ + 6 s⁵ of its way.
+    value, rate, acceleration, begin, last = start, 0.0, 0.0, 0.0, start
+    for end, seconds in ((to, duration), *zip(more[::2], more[1::2], strict=True)):
+        s = op.minimum(op.maximum((t - begin) / seconds, 0.0), 1.0)
+        way = end - last
+        value = value + way * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        rate = rate + way / seconds * s * s * (30.0 - 60.0 * s + 30.0 * s * s)
+        acceleration = acceleration + way / seconds**2 * s * (60.0 - 180.0 * s + 120.0 * s * s)
+        begin, last = begin + seconds, end
     return value, rate, acceleration
 
 
 @dataclass(frozen=True)
 class ReferenceKind:
-    """A kind of reference: its parameters, how many are mandatory, its formula."""
+    """A kind of reference: its parameters, how many are mandatory, its formula, further moves."""
 
     words: tuple[str, ...]
     least: int
-    form: Callable[..., Derivatives]
+    form: Callable[..., tuple[Any, Any, Any]]
+    more: tuple[str, ...] = ()
+
+    def takes(self, count: int) -> bool:
+        """Tell whether it may have so many numbers."""
+        beyond = count - len(self.words)
+        if beyond <= 0:
+            return count >= self.least
+        return bool(self.more) and beyond % len(self.more) == 0
+
+    def names(self, count: int) -> list[str]:
+        """Return what so many numbers are."""
+        beyond = max(0, count - len(self.words)) if self.more else 0
+        return [*self.words, *islice(cycle(self.more), beyond)]
 
 
 KINDS = {
     "step": ReferenceKind(("TO", "AT", "FROM"), 1, _step),
     "ramp": ReferenceKind(("RATE", "AT", "FROM"), 1, _ramp),
     "sine": ReferenceKind(("AMPLITUDE", "HERTZ", "OFFSET"), 2, _sine),
-    "quintic": ReferenceKind(("TO", "SECONDS", "FROM"), 2, _quintic),
+    "quintic": ReferenceKind(("TO", "SECONDS", "FROM"), 2, _quintic, ("TO", "SECONDS")),
     "file": ReferenceKind((), 0, _step),
 }
 """Every kind by its name; times in s, the rest in the unit of the port."""

@@ -24,7 +24,7 @@ from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.protected import note_source
 from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 from fuzzyarm.control.loop.course import Sensor
-from fuzzyarm.language.model.claims import LoopClaim, Stretch, When
+from fuzzyarm.language.model.claims import FollowedReference, LoopClaim, Stretch, When
 from fuzzyarm.plant.own import beside, is_relative_file
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
@@ -266,6 +266,17 @@ def _claim_data(claim: LoopClaim) -> dict[str, Any]:
         "from": _text(claim.begin),
         # JSON has no infinity.
         "to": None if claim.end == math.inf else _text(claim.end),
+        # Only of claims that have them: those without keep the seal that they have had.
+        **(
+            {
+                "while": [
+                    [port, kind, [*map(_text, numbers)]] for port, kind, numbers in claim.follows
+                ]
+            }
+            if claim.follows
+            else {}
+        ),
+        **({"error": True} if claim.error else {}),
     }
 
 
@@ -392,6 +403,10 @@ class Field:
         if name not in value:
             Field(self.file, place, None).refuse("is missing")
         return Field(self.file, place, value[name])
+
+    def has(self, name: str) -> bool:
+        """Tell whether an object has a field."""
+        return name in self._of(dict, "an object")
 
     def __iter__(self) -> Iterator[Field]:
         for k, value in enumerate(self._of(list, "a list")):
@@ -537,6 +552,8 @@ def _claim(claim: Field) -> LoopClaim:
         cast(When, claim["when"].one_of(get_args(When))),
         claim["from"].number,
         math.inf if claim["to"].value is None else claim["to"].number,
+        follows=tuple(map(_followed, claim["while"])) if claim.has("while") else (),
+        error=claim.has("error") and claim["error"].flag,
     )
     if not made.plant:
         claim["plant"].refuse("names no plant")
@@ -545,6 +562,11 @@ def _claim(claim: Field) -> LoopClaim:
     except ClaimError as error:
         claim.refuse(f"means nothing: {error}")
     return made
+
+
+def _followed(row: Field) -> FollowedReference:
+    port, kind, numbers = row.row(3)
+    return FollowedReference(port.text, kind.text, tuple(x.number for x in numbers))
 
 
 def _stretches(rows: Field) -> tuple[Stretch, ...]:

@@ -308,7 +308,7 @@ class CheckedProof:
         else:
             if certificate.continuous:
                 raise LoopProofError("tubes are of the loop as sampled")
-            havens = [Haven(accepted(problem, r, self.surfaces), r) for r in regions]
+            havens = [Haven(accepted(problem.at_rest, r, self.surfaces), r) for r in regions]
             self.facts = region_facts(problem, *havens[0]) if havens else {}
             self._follow(havens, tubes)
         self.havens = tuple(havens)

@@ -481,6 +481,8 @@ class _Derivation:
 def _demand_still(problem: LoopProblem) -> None:
     """Refuse equations that depend on the time, jump, or let an input through at once."""
     equations = problem.equations
+    if problem.moved:
+        raise LoopProofError("a region is around rest, and a reference moves")
     for root in (*equations.rates, *equations.outputs):
         if "t" in symbols(root):
             raise LoopProofError("the plant's equations depend on the time")

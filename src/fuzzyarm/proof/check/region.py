@@ -268,6 +268,18 @@ def port_within(
     return least(span), greatest(span)
 
 
+@precisely
+def claimed_within(
+    problem: LoopProblem, loop: CheckedLoop, p: Rows, level: Number, claim: LoopClaim
+) -> tuple[Number, Number]:
+    """Return where the output, its error or the drive of a claim can be, as `port_within`."""
+    low, high = port_within(problem, loop, p, level, claim.output)
+    if not claim.error:
+        return low, high
+    reference = exact(problem.set_point[problem.site.interface.port(claim.output)])
+    return least(reference - high), greatest(reference - low)
+
+
 def _drive_within(
     loop: CheckedLoop, p: Rows, level: Number, address: Address
 ) -> tuple[Number, Number]:
@@ -394,13 +406,8 @@ def outside(
         return "a claim about an output is proved of the sampled loop"
     periods = max(claimed_in(problem, claim).first - begun, 0)
     try:
-        span = port_within(
-            problem,
-            loop,
-            region.p,
-            greatest(arb(faded(region.rate, periods) * level)),
-            claim.output,
-        )
+        level = greatest(arb(faded(region.rate, periods) * level))
+        span = claimed_within(problem, loop, region.p, level, claim)
     except LoopProofError as error:
         return str(error)
     low, high = span
@@ -408,4 +415,4 @@ def outside(
         return ""
     when = f" {claim.begin:g} s after the start" if claim.begin else ""
     where = f"{float_below(low):.6g} .. {float_above(high):.6g}{when}"
-    return f"{claim.output} stays in {where}, as far as the region says"
+    return f"{claim.subject} stays in {where}, as far as the region says"

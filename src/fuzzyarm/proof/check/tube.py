@@ -44,12 +44,13 @@ from fuzzyarm.proof.check.numbers import (
     precisely,
     product,
 )
+from fuzzyarm.proof.check.references import reference_between, sampled_references
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.slopes import Slope, slopes_of
 from fuzzyarm.proof.check.spans import Spans
 from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
-from fuzzyarm.proof.claim.text import claimed_in, claimed_port
+from fuzzyarm.proof.claim.text import claimed_in, claimed_port, error_label
 from fuzzyarm.proof.stop import check_time
 from fuzzyarm.symbolic.nodes import symbols
 
@@ -167,7 +168,7 @@ class Follower:
     # --- one period ---
 
     def _controlled(
-        self, states: Sequence[Form], memory: Sequence[Form], *, first: bool = True
+        self, states: Sequence[Form], memory: Sequence[Form], period: int = 0
     ) -> tuple[list[Form], list[Form]]:
         """Return the inputs of the plant, and the memory afterwards."""
         interface = self.problem.site.interface
@@ -177,7 +178,11 @@ class Follower:
             self.numbers,
             dict(zip(interface.outputs, outputs, strict=True)),
             dict(zip(self.memory, memory, strict=True)),
-            first=first,
+            first=period == 0,
+            moved={
+                address: self.numbers.of(x)
+                for address, x in sampled_references(self.problem, period).items()
+            },
         )
         drives = [self.numbers.kept(inputs[address]) for address in interface.inputs]
         return drives, [after[name] for name in self.memory]
@@ -220,13 +225,13 @@ class Follower:
         ]
 
     def _period(
-        self, now: Sequence[Form], *, first: bool, port: str
+        self, now: Sequence[Form], period: int, port: str = ""
     ) -> tuple[list[Form], Spans | None]:
-        """Return sets a period later, and where a port is within the period."""
+        """Return sets after one more period, and where a port is within it."""
         problem, count = self.problem, len(self.problem.states)
         states = list(now[:count])
-        drives, after = self._controlled(states, now[count:], first=first)
-        span = self._within(states, drives, port) if port else None
+        drives, after = self._controlled(states, now[count:], period)
+        span = self._within(states, drives, port, period) if port else None
         x, u = [_point(s) for s in states], [_point(s) for s in drives]
         if self._flow is not None:
             flow, ends = self._flow[0], self._ahead(x, u)
@@ -254,12 +259,19 @@ class Follower:
         rates = [[rate.value] for rate in slopes_of(self.problem.equations.rates, values)]
         return [a + b[0] for a, b in zip(x, product(self._flow[1], rates), strict=True)]
 
-    def _within(self, states: Sequence[Form], drives: Sequence[Form], port: str) -> Spans:
-        """Return where an output or a drive is from this sample to the next."""
+    def _within(
+        self, states: Sequence[Form], drives: Sequence[Form], port: str, period: int
+    ) -> Spans:
+        """Return where an output, its error or a drive is from this sample to the next."""
         equations, interface = self.problem.equations, self.problem.site.interface
         for address, drive in zip(interface.inputs, drives, strict=True):
             if interface.label(address) == port:
                 return drive.span.max(drive.ends[0]).min(drive.ends[1])
+        for address in self.problem.errors:
+            label = interface.label(address)
+            if error_label(label) == port:
+                reference = reference_between(self.problem, address, period)
+                return Spans.of(reference) - self._within(states, drives, label, period)
         moving = self._around([s.span for s in states], [s.span for s in drives])
         index = [interface.label(address) for address in interface.outputs].index(port)
         values = {key: Slope(span, {}) for key, span in moving.items()}
@@ -351,7 +363,7 @@ class Follower:
         self, which: Index, now: Sequence[Form], k: int, port: str, found: list[Followed]
     ) -> tuple[Index, list[Form], Spans | None]:
         """Return sets a period later and where a port was, without those that have no bound."""
-        after, span = self._period(now, first=k == 0, port=port)
+        after, span = self._period(now, k, port)
         lost = np.broadcast_to(self.numbers.lost, which.shape) | ~_finite(after)
         for i in which[lost]:
             found[int(i)] = Followed(k, self.numbers.why or "its sets have no bound")
@@ -362,7 +374,9 @@ class Follower:
         """Tell which sets have arrived: in a region, or in boxes before them."""
         which, now, k = group
         arrived = np.zeros(len(which), dtype=bool)
-        for number in task.into if k or not self.walk.begun else ():
+        rests = self.problem.rests_from
+        is_at_rest = rests is not None and rests <= k
+        for number in task.into if is_at_rest and (k or not self.walk.begun) else ():
             level = self._level(number, now)
             inside = level <= 1.0
             if task.arrived is not None and inside.any():
@@ -372,7 +386,7 @@ class Follower:
                 inside &= level <= enough
             arrived |= inside
         # A run that is in a box is as one that begins there only if nothing is remembered.
-        remembers = self.memory or self.problem.text.model.every > 1
+        remembers = self.memory or self.problem.text.model.every > 1 or self.problem.moved
         if task.boxes is not None and k and not remembers:
             spans = [form.span for form in now]
             low, high = (np.stack(ends, axis=1) for ends in (

@@ -118,6 +118,7 @@ class ProgramWalk:
         states: Mapping[str, Any],
         *,
         first: bool = False,
+        moved: Mapping[Address, Any] | None = None,
     ) -> tuple[dict[Address, Any], dict[str, Any]]:
         """Do one period.
 
@@ -131,6 +132,8 @@ class ProgramWalk:
             Memory of the loop; missing parts have their start.
         first : bool
             Whether it is the first period.
+        moved : mapping, optional
+            References that are not `set_point`, by axis and port.
 
         Returns
         -------
@@ -146,7 +149,7 @@ class ProgramWalk:
         }
         self._after: dict[str, Any] = {}
         measurements = self._sensed(outputs)
-        self._cells = self._given(measurements)
+        self._cells = self._given(measurements, moved or {})
         for instruction, name in zip(_instructions(self._program), self._names, strict=True):
             self.at = name[1]
             self._carry_out(*instruction)
@@ -175,7 +178,9 @@ class ProgramWalk:
 
     # ── the program ──────────────────────────────────────────────────────────────────
 
-    def _given(self, measurements: Mapping[Address, Any]) -> dict[int, Any]:
+    def _given(
+        self, measurements: Mapping[Address, Any], moved: Mapping[Address, Any]
+    ) -> dict[int, Any]:
         """Return the cells that the loop fills in."""
         set_point, period = self.problem.set_point, self.problem.text.model
         cells = {
@@ -185,7 +190,9 @@ class ProgramWalk:
         for address, cell in self._wiring.measured.items():
             cells[cell] = measurements[self._port("measured", address)]
         for address, cell in self._wiring.references.items():
-            cells[cell] = self._numbers.number(set_point[self._port("reference", address)])
+            port = self._port("reference", address)
+            number = self._numbers.number
+            cells[cell] = moved[port] if port in moved else number(set_point[port])
         return cells
 
     def _load(self, cell: int) -> Any:

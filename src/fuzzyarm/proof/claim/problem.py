@@ -14,9 +14,10 @@ import math
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,8 +25,9 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import decimal, fraction_of_periods, number_text, whole_periods
 from fuzzyarm.control.controllers.on_plant import Site, connectable_names, site_of
-from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.controllers.text import ControllerText, ports_of
 from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.control.loop.reference import AnySignal, Signal, as_signal
 from fuzzyarm.language.model.controller import ControllerModel, SignalLine
 from fuzzyarm.plant.equations import Watched, expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
@@ -77,6 +79,13 @@ class PlantEquations:
     parameters: tuple[str, ...]
 
 
+class MovedReference(NamedTuple):
+    """A quantity of a reference that moves: its value (0), its rate (1) or its acceleration (2)."""
+
+    signal: Signal
+    order: int
+
+
 @dataclass(frozen=True)
 class LoopProblem:
     """A closed loop, and where it starts.
@@ -93,10 +102,12 @@ class LoopProblem:
         Of each state of the plant, by name.
     parameters : dict of str to Interval
         Of all parameters of the plant, by name; most are points.
-    set_point : dict of (str, str) to float
-        Of each reference of the plant, by axis and port; constant, and 0 for rates.
+    signals : dict of (str, str) to Signal
+        References, set points among them, by axis and port of an output; others are 0.
     sensors : dict of (str, str) to Sensor
         By axis and port; those that are not there are exact.
+    errors : tuple of (str, str)
+        Outputs of which proofs bound the error, too.
     begins_alone : tuple of str
         States that begin at the plant's start, not at that of a claim.
     unknown_start : str
@@ -110,8 +121,9 @@ class LoopProblem:
     site: Site
     start: Mapping[str, Interval]
     parameters: Mapping[str, Interval]
-    set_point: Mapping[Address, float]
+    signals: Mapping[Address, Signal]
     sensors: Mapping[Address, Sensor] = field(default_factory=dict)
+    errors: tuple[Address, ...] = ()
     begins_alone: tuple[str, ...] = ()
     unknown_start: str = ""
     given: Plant | None = None
@@ -132,13 +144,13 @@ class LoopProblem:
         """Return the size of an output beyond which a run has diverged for certain.
 
         Its bound may be smaller. Where the error has a bound, proofs keep the output within that
-        less the size of the set point; lost it is for certain only beyond the sum of both.
+        less the size of the reference; lost it is for certain only beyond the sum of both.
         """
         port = self.site.interface.outputs[output]
-        set_point = abs(self.set_point.get(output, 0.0))
-        if port.bound < port.error_bound - set_point:
+        far = _reach(self.signals, output)
+        if port.bound < port.error_bound - far:
             return port.bound
-        return port.error_bound + set_point if output in self.set_point else math.inf
+        return port.error_bound + far
 
     @property
     def period(self) -> float:
@@ -149,6 +161,87 @@ class LoopProblem:
     def states(self) -> tuple[str, ...]:
         """Names of the plant's states."""
         return tuple(self.plant.states)
+
+    # --- references ---
+
+    def with_error(self, port: Address) -> LoopProblem:
+        """Return the loop with bounds of the error of an output, beside those of others."""
+        if port not in self.site.interface.outputs:
+            name = self.site.interface.label(port)
+            raise ClaimError(f"'{name}' is an input, which has no error")
+        return replace(self, errors=tuple(dict.fromkeys((*self.errors, port))))
+
+    @cached_property
+    def set_point(self) -> dict[Address, float]:
+        """Each reference, by axis and port, where it comes to rest; 0 for rates.
+
+        NaN where it never does.
+        """
+        return {
+            address: self._last(address) if not reference.order else 0.0
+            for address, reference in self.site.interface.references.items()
+        }
+
+    def _last(self, address: Address) -> float:
+        if address not in self.signals:
+            return 0.0
+        return self.signals[address].stations[-1][1] if self.signals[address].stations else math.nan
+
+    @property
+    def signals_by_name(self) -> dict[str, Signal]:
+        """References of all outputs that have one of their own, as for ``simulate``."""
+        interface = self.site.interface
+        return {
+            interface.label(address): self.signals.get(address, Signal("step", (0.0,)))
+            for address in interface.outputs
+            if not interface.references[address].order
+        }
+
+    @cached_property
+    def moved(self) -> dict[Address, MovedReference]:
+        """References that are not one number, by axis and port: those in use."""
+        model, references = self.text.model, self.site.interface.references
+        used = {self.site.find(model, "reference", port) for port in ports_of(model, "reference")}
+        signals = {a: self.signals.get(references[a].of) for a in (*used, *self.errors)}
+        return {
+            address: MovedReference(signal, references[address].order)
+            for address, signal in signals.items()
+            if signal is not None and signal.moves
+        }
+
+    def time_of(self, period: int) -> Fraction:
+        """Return when a control period begins, s, as a decimal."""
+        return period * decimal(self.period)
+
+    def held_since(self, period: int) -> int:
+        """Return the period in which the references that hold in one were sampled."""
+        return period - period % self.text.model.every
+
+    def simulated(self, reference: MovedReference, period: int) -> float:
+        """Return a reference in a period as ``simulate`` takes it, rounding included."""
+        every = self.text.model.every
+        time = np.array([period // every], float) * (self.period * every)
+        return float(reference.signal.at(time)[reference.order][0])
+
+    @cached_property
+    def rests_from(self) -> int | None:
+        """The control period from which on all references are `set_point`; None: there is none."""
+        stations = [signal.stations for signal in self.signals.values()]
+        if not all(stations):
+            return None
+        every = self.text.model.every
+        last = max((Fraction(0), *(each[-1][0] for each in stations)))
+        return math.ceil(last / (decimal(self.period) * every)) * every
+
+    @cached_property
+    def at_rest(self) -> LoopProblem:
+        """The loop as it is once all references are at their last values."""
+        if not self.moved:
+            return self
+        if self.rests_from is None:
+            raise LoopProofError("its references never come to rest")
+        last = {a: as_signal(self._last(a)) for a in self.signals}
+        return replace(self, signals=last)
 
     @property
     def constants(self) -> dict[str, float]:
@@ -223,7 +316,7 @@ def loop_problem(
     *,
     start: Mapping[str, tuple[float, float]] | None = None,
     parameters: Mapping[str, tuple[float, float]] | None = None,
-    set_point: Mapping[str, float] | None = None,
+    set_point: Mapping[str, AnySignal] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
     connect: Mapping[str, str] | None = None,
     inside: bool = False,
@@ -240,8 +333,8 @@ def loop_problem(
         By state or by output that is a state; others begin where the plant does.
     parameters : mapping of str to (float, float), optional
         By name; others have their value.
-    set_point : mapping of str to float, optional
-        By port; 0 for others.
+    set_point : mapping of str to float, str or Signal, optional
+        By port: a number, or a reference that moves; 0 for others.
     sensors : mapping of str to Sensor, optional
         By port.
     connect : mapping of str to str, optional
@@ -287,13 +380,7 @@ def loop_problem(
     starts |= _chosen("state", start, plant.states)
     alone = tuple(name for name in plant.states if name not in (start or {}))
     interface = site.interface
-    set_points = dict.fromkeys(interface.references, 0.0)
-    _demand_once({name: [interface.port(name)] for name in set_point or {}})
-    for name, value in (set_point or {}).items():
-        port = interface.port(name)
-        if port not in set_points or interface.references[port].order:
-            raise ClaimError(f"'{name}' has no constant set point")
-        set_points[port] = float(value)
+    signals = _signals(interface, set_point or {})
     places = {name: interface.every_port(name) for name in sensors or {}}
     _demand_once(places)
     effective = {port: sensor for name, sensor in (sensors or {}).items() for port in places[name]}
@@ -303,11 +390,23 @@ def loop_problem(
             raise LoopProofError(
                 f"the noise of '{label}' has no bound", hint="a resolution or a delay has one"
             )
-    site = replace(site, interface=_with_error_bounds(interface, set_points))
+    site = replace(site, interface=_with_error_bounds(interface, signals))
     return LoopProblem(
-        text, plant, site, starts, values, set_points, effective, alone, unknown if alone else "",
-        given,
+        text, plant, site, starts, values, signals, effective,
+        tuple(port for port, signal in signals.items() if signal.moves), alone,
+        unknown if alone else "", given,
     )  # fmt: skip
+
+
+def _signals(interface: Interface, references: Mapping[str, AnySignal]) -> dict[Address, Signal]:
+    """Return the references of a loop by axis and port."""
+    _demand_once({name: [interface.port(name)] for name in references})
+    signals = {interface.port(name): as_signal(x, name) for name, x in references.items()}
+    for port, signal in signals.items():
+        if port not in interface.outputs or interface.references[port].order:
+            kind = "reference of its own" if signal.moves else "constant set point"
+            raise ClaimError(f"'{interface.label(port)}' has no {kind}")
+    return signals
 
 
 def _demand_driven_from_zero(text: ControllerText, site: Site) -> None:
@@ -334,13 +433,17 @@ def _demand_once(places: Mapping[str, list[Address]]) -> None:
         seen |= set(ports)
 
 
-def _with_error_bounds(interface: Interface, set_points: Mapping[Address, float]) -> Interface:
+def _reach(signals: Mapping[Address, Signal], output: Address) -> float:
+    return signals[output].reach if output in signals else 0.0
+
+
+def _with_error_bounds(interface: Interface, signals: Mapping[Address, Signal]) -> Interface:
     """Return ports whose bounds hold their errors, too: |y| ≤ b − |r| keeps |r − y| ≤ b."""
     outputs = dict(interface.outputs)
     for address, port in outputs.items():
         if math.isinf(port.error_bound):
             continue
-        room = port.error_bound - abs(set_points.get(address, 0.0))
+        room = port.error_bound - _reach(signals, address)
         if room <= 0.0:
             raise LoopProofError(
                 f"the set point of '{interface.label(address)}' is beyond its error bound from 0"

@@ -13,9 +13,10 @@ from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.control.loop.reference import Signal, SignalError
 from fuzzyarm.language.document import parse_document
-from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
-from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.loop_claims import FOLLOWED, LoopClaimNode, claim_node
+from fuzzyarm.language.model.claims import FollowedReference, LoopClaim, reference_fault
 from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import trusted_plant
@@ -36,8 +37,8 @@ def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedP
 
     Times are the decimals that they are printed as, and the k-th sample is at k periods. A claim
     includes both of its ends. An output is continuous: at a sample it is where the period before
-    ends and the next one begins. A drive jumps there: its values before and after both count, at
-    both ends.
+    ends and the next one begins. A drive jumps there, and so may an error: the values before and
+    after both count, at both ends.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedP
     period : float
         s.
     jumps : bool
-        Whether it is of a drive.
+        Whether it is of a drive, or of an error that jumps.
     """
     begin = decimal(claim.begin) / decimal(period)
     first = max(0, math.ceil(begin) - 1) if jumps else math.floor(begin)
@@ -57,7 +58,7 @@ def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedP
     return ClaimedPeriods(min(first, last), last)
 
 
-OPENINGS = ("stable", "on", "at", "with", "from")
+OPENINGS = ("stable", "on", "at", "with", "from", "while")
 """Words that a claim may begin with, where its plant is known."""
 
 
@@ -84,7 +85,7 @@ def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
         stable = re.match(r"stable\b", words)
         rest = words[stable.end() :].strip() if stable else words
         head = f"{'stable ' if stable else ''}on {name_text(plant)}"
-        claimed = not rest or re.match(r"(at|with|from)\s|:", rest)
+        claimed = not rest or re.match(r"(at|with|from|while)\s|:", rest)
         words = f"{head} {rest}" if claimed else f"{head}: {rest}"
     document = parse_document(f"controller x\nprove {words}\n")
     wrong = tuple(diagnostic for diagnostic in document.diagnostics if diagnostic.line > 1)
@@ -210,16 +211,46 @@ def require_sense(claim: LoopClaim) -> None:
     for name, value in claim.at:
         if not math.isfinite(value):
             raise ClaimError(f"the set point {name} = {value:g} is not a number")
+    _require_references(claim)
     if not claim.output:
-        if (claim.low, claim.high, claim.when) != (0.0, 0.0, "always") or _times(claim):
+        if (
+            claim.error
+            or (claim.low, claim.high, claim.when) != (0.0, 0.0, "always")
+            or _times(claim)
+        ):
             raise ClaimError("bounds or times of no output are claimed")
         if not claim.stable:
             raise ClaimError("nothing is claimed")
         return
     if not (math.isfinite(claim.low) and math.isfinite(claim.high) and claim.low <= claim.high):
         ends = f"{claim.low:g} .. {claim.high:g}"
-        raise ClaimError(f"{claim.output} in {ends} is not an interval")
+        raise ClaimError(f"{claim.subject} in {ends} is not an interval")
     _require_times(claim)
+
+
+def _require_references(claim: LoopClaim) -> None:
+    """Refuse references that move otherwise than a text may say."""
+    fault, hint = reference_fault(claim)
+    if fault:
+        raise ClaimError(fault, hint=hint)
+    for reference in claim.follows:
+        _signal_of(reference)
+
+
+def _signal_of(reference: FollowedReference) -> Signal:
+    """Return the signal of a claim; a ClaimError where there is none."""
+    if reference.kind not in FOLLOWED:
+        raise ClaimError(f"'{reference.kind}' is not a reference of claims")
+    try:
+        signal = Signal(reference.kind, reference.numbers)
+    except SignalError as error:
+        raise ClaimError(str(error), hint=error.hint) from None
+    # All of them: a text has no place for what is left out.
+    if len(signal.numbers) < (2 if signal.kind == "sine" else 3):
+        raise ClaimError(f"a {signal.kind} of a claim says where it begins")
+    if any(word == "AT" and number < 0.0 for word, number in signal.named):
+        raise ClaimError(f"a {signal.kind} before 0 s is none of a run")
+    return signal
 
 
 def _require_times(claim: LoopClaim) -> None:
@@ -257,13 +288,15 @@ def problem_of(
         plant if plant is not None else claimed_plant(claim),
         start={name: (low, high) for name, low, high in claim.start},
         parameters={name: (low, high) for name, low, high in claim.parameters},
-        set_point=dict(claim.at),
+        set_point={**dict(claim.at), **{each.port: _signal_of(each) for each in claim.follows}},
         sensors=sensors,
         connect=connect,
         inside=inside,
     )
     if claim.output:
         claimed_port(problem, claim)
+    if claim.error:
+        problem = problem.with_error(problem.site.interface.port(claim.output))
     _require_one_meaning(problem, claim)
     if claim.output or claim.start:
         problem.require_known_start()
@@ -294,11 +327,20 @@ def _require_one_meaning(problem: LoopProblem, claim: LoopClaim) -> None:
 def claimed_in(problem: LoopProblem, claim: LoopClaim) -> ClaimedPeriods:
     """Return the control periods of its loop that a claim counts in."""
     interface = problem.site.interface
-    is_drive = bool(claim.output) and interface.port(claim.output) in interface.inputs
-    return claimed_periods(claim, problem.period, jumps=is_drive)
+    port = interface.port(claim.output) if claim.output else ("", "")
+    jumps = port in interface.inputs
+    if claim.error and port in problem.moved:
+        jumps = problem.moved[port].signal.jump is not None
+    return claimed_periods(claim, problem.period, jumps=jumps)
 
 
 def claimed_port(problem: LoopProblem, claim: LoopClaim) -> str:
-    """Return the output or the drive that is claimed of, as tubes and runs call it."""
+    """Return the output, its error or the drive that is claimed of, as tubes and runs call it."""
     interface = problem.site.interface
-    return interface.label(interface.port(claim.output))
+    label = interface.label(interface.port(claim.output))
+    return error_label(label) if claim.error else label
+
+
+def error_label(output: str) -> str:
+    """Return what tubes and runs call the error of an output."""
+    return f"error of {output}"

@@ -28,7 +28,7 @@ from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of
-from fuzzyarm.proof.loop.timed import TUBE_BUDGET
+from fuzzyarm.proof.loop.timed import TUBE_BUDGET, horizon
 from fuzzyarm.proof.loop.waypoints import joined, waypoints
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
@@ -80,8 +80,9 @@ def certify_tube(
     stop = Stop(budget, tell)
     start = tuple((Fraction(x.low), Fraction(x.high)) for x in problem.start.values())
     if regions:
-        most = max(problem.plant.duration or 0.0, claim.begin, 1000 * problem.period)
-        whole = TubeProof(start, math.ceil(most / problem.period), ("regions", 0))
+        whole = TubeProof(
+            start, math.ceil(horizon(problem, claim) / problem.period), ("regions", 0)
+        )
     else:
         last = claimed_in(problem, claim).last
         whole = TubeProof(start, 0 if last is None else last + 1)
@@ -162,7 +163,7 @@ class _Halving:
             if name in names and any(low < high for low, high in (tube.box[k] for tube in tubes))
         ]  # fmt: skip
         with contextlib.suppress(TimeOverError), stop:
-            havens = [Haven(accepted(problem, r, self.surfaces), r) for r in whole.regions]
+            havens = [Haven(accepted(problem.at_rest, r, self.surfaces), r) for r in whole.regions]
             self.follower = Follower(problem, havens, self.surfaces)
             remembers = self.follower.memory or problem.text.model.every > 1
             if whole.window and not remembers and sum(t.periods for t in tubes) > MANY:

@@ -19,10 +19,12 @@ from fuzzyarm.base.numbers import decimal
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
+from fuzzyarm.proof.claim.text import error_label
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.proof.loop.flow import Flow, Step
 from fuzzyarm.proof.loop.linear_flow import linear_flow
+from fuzzyarm.proof.loop.moving import reference_between, sampled_references
 from fuzzyarm.proof.loop.period import LoopPeriod
 from fuzzyarm.proof.loop.planes import RulePlanes
 from fuzzyarm.proof.loop.readings import may_jump, read, readable, takes_condition
@@ -243,6 +245,7 @@ class Follower:
         interface = problem.site.interface
         self.ports = [*interface.outputs, *interface.inputs]
         self.labels = [interface.label(port) for port in self.ports]
+        self.labels += [error_label(interface.label(port)) for port in problem.errors]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
         self.lost_beyond = np.array([*map(problem.lost_beyond, interface.outputs)])
         self.demands = [
@@ -291,17 +294,22 @@ class Follower:
             self.reached = period
             time = period * self.period
             states, drives, memory = self.controlled(
-                algebra, control, states, constants, memory, time, first=period == 0
-            )
+                algebra, control, states, constants, memory, time, first=period == 0,
+                moved=self._moved_references(period, batch),
+            )  # fmt: skip
             states, steps, parts = self.moved(states, {**constants, **drives}, time, parts)
             intervals = self._driven(drives)
             if not at:
-                at.append(_joined(first, intervals))
+                at.append(self._with_errors(_joined(first, intervals), 0, 0))
             for index, outputs in enumerate(steps):
                 begins.append(period + index / len(steps))
                 ends.append(period + (index + 1) / len(steps))
-                between.append(_joined(outputs[0], intervals))
-                at.append(_joined(outputs[1], intervals))
+                last = period + 1 if index + 1 == len(steps) else period
+                for found, values, begin in zip(
+                    (between, at), outputs, (period, last), strict=True
+                ):
+                    joined = _joined(values, intervals)
+                    found.append(self._with_errors(joined, begin, period + 1))
                 undone |= self._undone(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
             if self.goal is not None:
                 signs = self.goal(period + 1, states, memory)
@@ -335,17 +343,35 @@ class Follower:
         time: float,
         *,
         first: bool,
+        moved: Mapping[Address, Number] | None = None,
     ) -> tuple[Forms, dict[str, Forms], dict[str, Number]]:
         """Return the states, the inputs of the plant over the same symbols, and the memory."""
         algebra.count = len(states.parts)
         measurements = self._told(states, constants, time)
-        inputs, after = control.run(measurements, memory, first=first)
+        inputs, after = control.run(measurements, memory, first=first, moved=moved)
         drives = {
             name: algebra.forms(inputs[port])
             for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
         }
         # The period may have made new symbols, as for the band around a plane.
         return states.with_symbols(max(algebra.count, len(states.parts))), drives, after
+
+    def _moved_references(self, period: int, batch: int) -> dict[Address, Number]:
+        """Return the references in a period that are not constant."""
+        return {
+            address: Forms.between(np.full(batch, x.low), np.full(batch, x.high))
+            for address, x in sampled_references(self.problem, period).items()
+        }
+
+    def _with_errors(self, values: Intervals, begin: int, end: int) -> Intervals:
+        """Return ports with errors below them, references from one sample to another."""
+        problem = self.problem
+        for address in problem.errors:
+            times = problem.time_of(begin), problem.time_of(end)
+            reference = reference_between(problem, address, *times)
+            row = self.ports.index(address)
+            values = _joined(values, reference - values[row : row + 1])
+        return values
 
     def _driven(self, inputs: Mapping[str, Forms]) -> Intervals:
         """Return where the inputs are: within the limits of their actuators."""

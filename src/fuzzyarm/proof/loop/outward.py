@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from fuzzyarm.proof.loop.affine import ZERO, NotAffineError
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
+
+Ends = tuple[Fraction, Fraction]
 
 
 def lower(x: float) -> float:
@@ -44,10 +46,15 @@ def end_of(x: Fraction, *, low: bool) -> float:
 
 
 def exact_bounds(
-    root: Node, ranges: Mapping[str, tuple[Fraction, Fraction]]
-) -> tuple[Fraction, Fraction]:
-    """Return bounds of an expression in rationals: exactly 0 where that is a factor."""
-    bounds: dict[Node, tuple[Fraction, Fraction]] = {}
+    root: Node,
+    ranges: Mapping[str, Ends],
+    wave: Callable[[str, Ends], Ends] | None = None,
+) -> Ends:
+    """Return bounds of an expression in rationals: exactly 0 where that is a factor.
+
+    Of sine and cosine by `wave`; without it only at 0.
+    """
+    bounds: dict[Node, Ends] = {}
     for node in postorder(root):
         if isinstance(node, Constant):
             bounds[node] = (Fraction(node.value), Fraction(node.value))
@@ -55,13 +62,25 @@ def exact_bounds(
             bounds[node] = ranges[node.name]
         else:
             assert isinstance(node, Apply)
-            bounds[node] = _exact_operation(node.operation, [bounds[a] for a in node.arguments])
+            arguments = [bounds[a] for a in node.arguments]
+            if wave is not None and node.operation in ("sin", "cos"):
+                bounds[node] = wave(node.operation, arguments[0])
+            elif node.operation in ("less_equal", "where"):
+                bounds[node] = _choice(*arguments)
+            else:
+                bounds[node] = _exact_operation(node.operation, arguments)
     return bounds[root]
 
 
-def _exact_operation(
-    operation: str, arguments: list[tuple[Fraction, Fraction]]
-) -> tuple[Fraction, Fraction]:
+def _choice(a: Ends, b: Ends, c: Ends | None = None) -> Ends:
+    """Return whether a ≤ b, as 1 or 0; or b where a is such a 1, and c where it is 0."""
+    if c is None:
+        return Fraction(a[1] <= b[0]), Fraction(a[0] <= b[1])
+    branches = [x for x, taken in ((b, a[1]), (c, 1 - a[0])) if taken]
+    return min(x[0] for x in branches), max(x[1] for x in branches)
+
+
+def _exact_operation(operation: str, arguments: list[Ends]) -> Ends:
     a = arguments[0]
     b = arguments[1] if len(arguments) > 1 else a
     if operation == "add":

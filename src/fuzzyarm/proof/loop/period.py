@@ -90,7 +90,12 @@ class LoopPeriod(Generic[T]):
             raise LoopProofError(f"{message}: nothing is proved about it")
 
     def run(
-        self, outputs: Mapping[Address, T], memory: Mapping[str, T], *, first: bool = False
+        self,
+        outputs: Mapping[Address, T],
+        memory: Mapping[str, T],
+        *,
+        first: bool = False,
+        moved: Mapping[Address, T] | None = None,
     ) -> tuple[dict[Address, T], dict[str, T]]:
         """Do one period.
 
@@ -102,6 +107,8 @@ class LoopPeriod(Generic[T]):
             What the last period left; in the first period values for NaN are not read.
         first : bool
             Whether it is the first period, in which some sources have seen nothing yet.
+        moved : mapping, optional
+            References that are not `set_point`, by axis and port.
 
         Returns
         -------
@@ -111,7 +118,7 @@ class LoopPeriod(Generic[T]):
             For the next period.
         """
         self._before, self._after, self._first = memory, dict[str, T](), first
-        given = self._given(self._sensed(outputs))
+        given = self._given(self._sensed(outputs), moved or {})
         try:
             drives, after = self.control.run(given, memory, first=first)
         except SourceError as error:
@@ -131,7 +138,9 @@ class LoopPeriod(Generic[T]):
     def _port(self, kind: str, address: Address) -> Address:
         return self.problem.site.find(self.problem.text.model, kind, address)
 
-    def _given(self, measured: Mapping[Address, T]) -> dict[PortValue, T]:
+    def _given(
+        self, measured: Mapping[Address, T], moved: Mapping[Address, T]
+    ) -> dict[PortValue, T]:
         """Return the values that the controller reads, by its own names."""
         model, set_point = self.problem.text.model, self.problem.set_point
         given = {
@@ -139,8 +148,10 @@ class LoopPeriod(Generic[T]):
             for address in ports_of(model, "measured")
         }
         for address in ports_of(model, "reference"):
-            value = set_point[self._port("reference", address)]
-            given[PortValue("reference", *address)] = self.algebra.number(value)
+            port = self._port("reference", address)
+            given[PortValue("reference", *address)] = (
+                moved[port] if port in moved else self.algebra.number(set_point[port])
+            )
         return given
 
     # --- sensors and actuators ---

@@ -168,17 +168,11 @@ def _window(problem: LoopProblem, names: tuple[str, str], outline: Vector) -> Ve
 
 def _run(problem: LoopProblem, states: Vector) -> Run:
     plant = starting_at(problem.plant, [float(x) for x in states])
-    interface = problem.site.interface
-    references = {
-        interface.label(port): value
-        for port, value in problem.set_point.items()
-        if not interface.references[port].order and port in interface.outputs
-    }
     sensors = {".".join(port): sensor for port, sensor in problem.sensors.items()}
     return simulate(
         problem.text,
         plant,
-        reference=references,
+        reference=problem.signals_by_name,
         duration=plant.duration or 1000 * problem.period,
         options=Options(sensors=sensors),
         connect=problem.site.connect,

@@ -10,21 +10,25 @@ from itertools import islice, product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.loop.course import Options
+from fuzzyarm.control.loop.reference import Signal
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.proof.claim.problem import LoopProblem, LostRunError
-from fuzzyarm.proof.claim.text import claimed_port
+from fuzzyarm.proof.claim.text import claimed_port, error_label
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Follower
 from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.symbolic.operations import Interval
+
+Vector = NDArray[np.float64]
 
 
 class Breach(NamedTuple):
@@ -123,7 +127,7 @@ def _claimed_duration(problem: LoopProblem, claim: LoopClaim) -> float:
     if claim.output and claim.when == "during":
         return claim.end + problem.period  # the sample at the end counts
     duration = problem.plant.duration or 1000 * problem.period
-    return max(duration, 1.5 * claim.begin)
+    return max(duration, 1.5 * claim.begin) + (problem.rests_from or 0) * problem.period
 
 
 def _enclosed_breach(
@@ -161,7 +165,7 @@ def _enclosed_breach(
     port = claimed_port(problem, claim)
     k = follower.labels.index(port)
     # Outputs at the samples; drives, which jump there, from each sample on: both count at the end.
-    jumps = k >= len(problem.site.interface.outputs)
+    jumps = 0 <= k - len(problem.site.interface.outputs) < len(problem.site.interface.inputs)
     period, last = decimal(problem.period), _last(claim)
     bounds = (low[:, k], high[:, k]) if jumps else (ends[0][:, k], ends[1][:, k])
     for n, (least, most) in enumerate(zip(*(x.tolist() for x in bounds), strict=True)):
@@ -299,17 +303,11 @@ def run_of(
     plant = starting_at(plant, [start[name] for name in problem.states])
     if steps > 1:
         plant.longest_step = min(plant.longest_step, problem.period) / steps
-    interface = problem.site.interface
-    references = {
-        interface.label(port): value
-        for port, value in problem.set_point.items()
-        if not interface.references[port].order and port in interface.outputs
-    }
     try:
         return simulate(
             problem.text,
             plant,
-            reference=references,
+            reference=problem.signals_by_name,
             duration=max(duration, 2 * problem.period * problem.text.model.every),
             options=Options(
                 sensors={".".join(port): sensor for port, sensor in problem.sensors.items()}
@@ -320,11 +318,23 @@ def run_of(
         return None
 
 
+def values_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
+    """Return outputs, drives and errors of a run, as tubes call them."""
+    label, references = problem.site.interface.label, problem.site.interface.references
+    values = {**run.outputs, **run.drives}
+    for address in problem.errors:
+        of, order = references[address].of, references[address].order
+        signal = problem.signals.get(of, Signal("step", (0.0,)))
+        wanted = signal.at(np.asarray(run.time, float))[order]
+        values[error_label(label(address))] = wanted - run.outputs[label(address)]
+    return values
+
+
 def _breach(problem: LoopProblem, claim: LoopClaim, run: Run) -> float | None:
     """Return when a run has broken a claim, s, as far as floats tell."""
     if claim.output:
         port = claimed_port(problem, claim)
-        values = np.asarray(run.outputs[port] if port in run.outputs else run.drives[port], float)
+        values = np.asarray(values_of(problem, run)[port], float)
         in_time = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
         wrong = in_time & ((values > claim.high) | (values < claim.low))
         if wrong.any():

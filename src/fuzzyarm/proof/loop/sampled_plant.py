@@ -29,6 +29,8 @@ from fuzzyarm.symbolic.nodes import Apply, Node, postorder, symbols
 def require_still(problem: LoopProblem) -> None:
     """Refuse equations that change with time, jump, or let an input through at once."""
     equations, name = problem.equations, problem.plant.name
+    if problem.moved:
+        raise LoopProofError("a region is around rest, and a reference moves")
     for root in (*equations.rates, *equations.outputs):
         if "t" in symbols(root):
             raise LoopProofError(f"the equations of {name} depend on the time")

@@ -48,7 +48,7 @@ class _NotOddError(Exception):
 def is_odd(problem: LoopProblem) -> bool:
     """Tell whether a loop is known to be odd, its starts outside of a window included."""
     turned = all(-span.low == span.high for span in problem.start.values())
-    if not turned or any(problem.set_point.values()):
+    if not turned or problem.moved or any(problem.set_point.values()):
         return False
     try:
         _demand_odd(problem)

@@ -25,7 +25,7 @@ from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.numbers import exact, float_above, float_below, is_positive_definite
-from fuzzyarm.proof.check.region import faded, port_within, refutation
+from fuzzyarm.proof.check.region import claimed_within, faded, refutation
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port, problem_of
 from fuzzyarm.proof.loop.algebra import Number
@@ -98,7 +98,7 @@ def followed(
 
 def _end(problem: LoopProblem, claim: LoopClaim) -> float:
     """Return until when a claim counts, s: of a drive that jumps at its end the new value, too."""
-    if math.isinf(claim.end):
+    if math.isinf(claim.end) or claim.error:  # both sides of a jump are at its sample
         return claim.end
     last = claimed_in(problem, claim).last or 0
     period = decimal(problem.period)
@@ -155,7 +155,7 @@ def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | 
     if tube.complete and claim.output and haven is None:
         port = claimed_port(problem, claim)
         low, high = tube.bounds(port, claim.begin, min(claim.end, tube.duration))
-        reason += f": {claim.output} in {low:.6g} .. {high:.6g}"
+        reason += f": {claim.subject} in {low:.6g} .. {high:.6g}"
         later = ", a later time" if claim.when == "after" else ""
         reason += f" (a wider range{later}, narrower starts or a larger --budget may be proved)"
     if not tube.complete:
@@ -178,6 +178,12 @@ def in_the_way(tube: Tube) -> tuple[str, ...]:
     )
     more = len(tube.open) - 1
     return (f"in the way: {box}" + (f", and {more} other box{'es' * (more > 1)}" if more else ""),)
+
+
+def horizon(problem: LoopProblem, claim: LoopClaim) -> float:
+    """Return how long runs are followed until they are in a region, s."""
+    rest = (problem.rests_from or 0) * problem.period
+    return rest + max(problem.plant.duration or 0.0, 1000 * problem.period, claim.begin)
 
 
 # ── a region that is never left ──────────────────────────────────────────────────────
@@ -204,6 +210,8 @@ class Haven:
         As the checker derived it.
     claim : LoopClaim
         What is to hold from there on.
+    rests_from : int, optional
+        The control period from which on its references are those of `maker`.
 
     Raises
     ------
@@ -212,8 +220,9 @@ class Haven:
     """
 
     def __init__(
-        self, maker: FormMaker, certificate: RegionProof, loop: CheckedLoop, claim: LoopClaim
-    ) -> None:
+        self, maker: FormMaker, certificate: RegionProof, loop: CheckedLoop, claim: LoopClaim,
+        rests_from: int = 0,
+    ) -> None:  # fmt: skip
         self.maker, self.claim = maker, claim
         self.p, self.rate = certificate.p, certificate.rate
         against = "it is of other states" if certificate.states != loop.names else ""
@@ -224,8 +233,8 @@ class Haven:
             raise LoopProofError(f"the region is not proved: {against}")
         self.loop = loop
         self.first = claimed_in(maker.problem, claim).first
-        plant = maker.problem.plant
-        self.horizon = max(plant.duration or 0.0, 1000 * maker.problem.period, claim.begin)
+        self.rests_from = rests_from
+        self.horizon = rests_from * maker.problem.period + horizon(maker.problem, claim)
         self.level = self._level()
         self.factor, self.slack = _factored(self.p)
         self.rests = [
@@ -245,9 +254,7 @@ class Haven:
         for halvings in range(40):
             level = exact(Fraction(1, 2**halvings))
             try:
-                low, high = port_within(
-                    self.maker.problem, self.loop, self.p, level, self.claim.output
-                )
+                low, high = claimed_within(self.maker.problem, self.loop, self.p, level, self.claim)
             except (FuzzyarmError, EnclosureError):
                 continue
             if exact(self.claim.low) <= low and high <= exact(self.claim.high):
@@ -265,6 +272,8 @@ class Haven:
         # A factor and a product were rounded: two more roundings at most.
         inside = (values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level)
         inside &= self.fixed(memory, states.shape[1])
+        if period < self.rests_from:  # no matter how far they are from where it comes to rest
+            return np.zeros(len(values), dtype=np.int64)
         return np.where(inside, 1, -self._is_stalled(period, values).astype(np.int64))
 
     def fixed(self, memory: Mapping[str, Number], batch: int) -> NDArray[np.bool_]:

@@ -276,8 +276,11 @@ class _Case:
     def _by_region(self, problem: LoopProblem) -> LoopVerdict:
         """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
         try:
-            maker = FormMaker(problem, self.stop)
+            maker = FormMaker(problem.at_rest, self.stop)
             self.maker = maker
+            if problem.moved:
+                found = self._by_tube_and_region(problem, maker)
+                return found or self._said(UNDECIDED, reason="no region was found where it rests")
             starts = bool(self.claim.output or self.claim.start) and not self.continuous
             verdict = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
             if verdict.verdict == UNDECIDED and starts:
@@ -292,7 +295,8 @@ class _Case:
         if stable.certificate is None:
             return None
         assert self.loop is not None
-        haven = Haven(maker, stable.certificate.region, self.loop, self.claim)
+        haven = Haven(maker, stable.certificate.region, self.loop, self.claim,
+                      problem.rests_from or 0)  # fmt: skip
         way, reason = followed(
             problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
         )
@@ -314,7 +318,7 @@ class _Case:
             return self._said(UNDECIDED, reason=_sentence(error))
         if not reason:
             return self._said(PROVED, tube=way, evidence=_own_start(problem))
-        try:
+        try:  # nothing of a reference that moves
             verdict = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
         except (FuzzyarmError, EnclosureError):
             verdict = None
@@ -340,7 +344,7 @@ class _Case:
         )
 
     def _searched(self, maker: FormMaker, claim: LoopClaim, stop: Stop) -> LoopVerdict:
-        bounds = (claim.low, claim.high) if claim.output else None
+        bounds = _bounds_at_rest(maker.problem, claim)
         reason = "no quadratic function was found that falls"
         good: list[Proposal] = []
         verdict: LoopVerdict | None = None
@@ -426,6 +430,14 @@ class _Case:
         times = outward_text(least, up=False, digits=6)
         grows = f"next to rest a deviation grows at least {times} times per period"
         return self._said(REFUTED, evidence=(grows,)) if least else None
+
+
+def _bounds_at_rest(problem: LoopProblem, claim: LoopClaim) -> tuple[float, float] | None:
+    """Return between what a port is to be, of which the claim is or whose error it bounds."""
+    if not claim.error:
+        return (claim.low, claim.high) if claim.output else None
+    at = problem.set_point[problem.site.interface.port(claim.output)]
+    return at - claim.high, at - claim.low
 
 
 def _keeps_memory(loop: System, states: int) -> bool:

@@ -120,7 +120,7 @@ def _course(follower: Follower, tube: TubeProof) -> list[list[tuple[float, float
         spans = [form.span for form in now]
         found.append([(float(x.low[0]), float(x.high[0])) for x in spans])
         try:
-            after, _ = follower._period(now, first=k == 0, port="")
+            after, _ = follower._period(now, k)
         except (LoopProofError, ZeroDivisionError):
             break
         if not all(np.isfinite(x.size).all() for x in after) or follower._level(0, after)[0] <= 1.0:
