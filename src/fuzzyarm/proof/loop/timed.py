@@ -192,7 +192,7 @@ def horizon(problem: LoopProblem, claim: LoopClaim) -> float:
 def claim_of_stability(claim: LoopClaim) -> LoopClaim:
     """Return the claim that a loop is stable, from wherever its proof says."""
     return replace(
-        claim, stable=True, start=(), output="", low=0.0, high=0.0, when="always",
+        claim, stable=True, start=(), output="", error=False, low=0.0, high=0.0, when="always",
         begin=0.0, end=math.inf,
     )  # fmt: skip
 
