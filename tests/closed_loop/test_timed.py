@@ -78,6 +78,14 @@ def test_an_end_that_is_no_whole_number_of_periods(pendulum):
     assert fuzzyarm.prove(pendulum, claim, plant=str(PENDULUM)).proved
 
 
+def test_a_tube_says_nothing_of_continuous_time(servo):
+    claim = "from position in 0.01 .. 0.02: position in 0 .. 0.03 during 0 .. 3 ms"
+    assert fuzzyarm.prove(servo, claim, plant="motor").proved
+    verdict = fuzzyarm.prove(servo, claim, plant="motor", continuous=True)
+    assert verdict.verdict == "undecided"
+    assert "sampled" in verdict.reason
+
+
 # ── as far as a region ───────────────────────────────────────────────────────────────
 
 

@@ -310,6 +310,9 @@ class _Case:
 
     def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
         """Judge a claim for a bounded time: by a tube; where that fails, by a region."""
+        if self.continuous:
+            reason = "a claim for a time is proved of the sampled loop (leave out --continuous)"
+            return self._said(UNDECIDED, reason=reason)
         try:
             way, reason = followed(
                 problem, self.claim, budget=self.stop.half().left, tell=self._told_of_boxes
