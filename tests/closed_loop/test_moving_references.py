@@ -151,7 +151,7 @@ class Sampled:
 
 @precisely
 def both(problem, k):
-    """Return the references at a sample and until the next one, of the search and of the checker."""
+    """Return a reference at a sample and until the next one, of the search and of the checker."""
     address = ("a", "y")
     search = moving.sampled_references(problem, k)[address]
     checker = of_checker.sampled_references(problem, k)[address]
@@ -290,7 +290,10 @@ def test_a_false_claim_is_never_proved(loop, kind):
     draw, told = np.random.default_rng(11), dict.fromkeys(("proved", "refuted", "undecided"), 0)
     for _ in range(cases(6, 100)):
         words = random_reference(draw)
-        whole = f"from y in -0.02 .. 0.02 while y follows {words}: PORT in LOW .. HIGH during 0.1 .. 0.4 s"
+        whole = (
+            f"from y in -0.02 .. 0.02 while y follows {words}:"
+            " PORT in LOW .. HIGH during 0.1 .. 0.4 s"
+        )
         trivial = read_claim(whole.replace("PORT in LOW .. HIGH", "y in -9 .. 9"), plant)
         problem = problem_of(text, trivial, plant=find_plant(plant))
         runs = [values_at_samples(text, problem, [y, 0.0], 0.5) for y in (-0.02, 0.0, 0.02)]
@@ -468,7 +471,8 @@ def test_a_certificate_of_a_loop_with_a_late_sensor(loop, tmp_path):
 def test_a_certificate_for_all_time_needs_the_end_of_the_move(loop, tmp_path):
     text, plant = loop()
     claim = read_claim(
-        "from y in -0.01 .. 0.01 while y follows quintic 0 .. 0.3 in 0.2 s: error of y in -0.2 .. 0.2",
+        "from y in -0.01 .. 0.01 while y follows quintic 0 .. 0.3 in 0.2 s:"
+        " error of y in -0.2 .. 0.2",
         plant,
     )
     verdict = prove_loop(text, claim, plant=find_plant(plant))
