@@ -28,8 +28,10 @@ from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError, loop_proble
 from fuzzyarm.proof.claim.text import claimed_periods, claimed_plant, loop_sentence, require_sense
 from fuzzyarm.proof.loop import (
     CertificateError,
+    MapSearch,
     certify_tube,
     loop_tube,
+    map_starts,
     prove_loop,
     read_claim,
     write_certificate,
@@ -738,6 +740,33 @@ def test_the_words_of_a_region_stay_inside_it(folder):
             low, high = (float(end) for end in told.split(" (")[0].split(" .. "))
             assert region[name.strip()][0] <= low < high <= region[name.strip()][1]
     assert "± 0.8765 with" in "".join(region_lines(region, {"x": 0.87659}))
+    for line in region_lines(region, {}, arrival=True):  # where runs are, not where they start
+        name, told = line.strip().split(" in ")
+        low, high = map(float, told.split(" .. "))
+        assert low <= region[name][0] < region[name][1] <= high
+
+
+def test_numbers_of_a_claim_stand_in_its_sentence_as_they_are(folder):
+    (folder / "plant.py").write_text(
+        PLANT.format(
+            name="P",
+            states='{"y": "m", "x": "m"}',
+            parameters={},
+            start="[0.0, 1 / 3]",
+            rates="[u[0] - x[0], -x[1]]",
+        )
+    )
+    (folder / "c.frb").write_text(LAW.format(""))
+    text, plant, third = load_controller("c.frb"), find_plant("plant.py"), 1 / 3
+    claim = read_claim(f"stable from y in 0 .. {third!r}", "plant.py")
+    found = map_starts(text, claim, MapSearch(5.0, runs=0), plant=plant)
+    assert f"of y in 0 .. {third!r} every" in str(found)
+    assert f"begin at x = {third!r}" in str(found)
+    within = read_claim(f"from y in 0 .. {third!r}: y in -1 .. 1 during 0 .. 0.1 s", "plant.py")
+    proved = prove_loop(text, within, plant=plant)
+    assert proved.verdict == "proved"
+    assert f"x = {third!r}" in str(proved)
+    assert loop_sentence(claim, duration=1.23456789).endswith("for 1.23456789 s")
 
 
 def test_a_port_is_claimed_once(folder):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import shutil
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -128,3 +129,20 @@ def test_what_is_refused_writes_nothing(tmp_path, monkeypatch, capsys, words, me
     assert main(["compile", str(shipped("pd7.frb")), "--report", "report", *words]) == status
     assert message in capsys.readouterr().err
     assert [path.name for path in Path().iterdir()] == ["report"]
+
+
+@needs_gcc
+def test_a_proved_error_is_rounded_outward(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("r.frb").write_text(
+        "rulebase r\ninput e 0 .. 1\noutput u 0 .. 1\nterms e: triangles N P\n"
+        "term u N: singleton 0.1234564\nterm u P: singleton 0.6172824\n"
+        "inference u: defuzzifier weighted-average\nrule if e is N then u is N\n"
+        "rule if e is P then u is P\n"
+    )
+    # By the nearest of two levels it is off by half of 0.493826 in the middle, and a rounding.
+    words = ["compile", "r.frb", "-o", "r.c", "--levels", "2", "--mode", "nearest"]
+    assert main([*words, "--report", "report"]) == 0
+    told = re.search(r"([0-9.]+), proved", read_html(Path("report/report.html")))
+    data = json.loads(Path("report/report.json").read_text("utf-8"))
+    assert float(told[1]) >= data["functions"][0]["proved"] >= 0.246913

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 import fuzzyarm
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.apps.show.figures.panels import chart_figure
+from fuzzyarm.apps.show.proofs import drive_lines
 from fuzzyarm.apps.show.sector import controller_sectors, rulebase_sectors, sector_chart
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language import parse
@@ -20,6 +22,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant import find_plant
 from fuzzyarm.proof.map import NoSectorError, Prover, UnprovableError, sector, slopes_at
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
+from fuzzyarm.proof.map.sector import form_text
 
 RULES = """rulebase r
 input e -1 .. 1
@@ -422,3 +425,23 @@ def test_a_drive_of_signals_of_another_axis_has_a_report(tmp_path, more, reached
     controller = fuzzyarm.load_controller(tmp_path / "c.frb")
     (drive,) = prove_drives(controller, find_plant(f"{tmp_path / 'p.py'}:P"))
     assert drive.reached == reached
+
+
+@pytest.mark.parametrize("weight", [1, -1, 0.1, 1 / 3, 1.5, Fraction(4, 3), Fraction(-22, 7)])
+def test_the_weights_of_a_sum_read_back(weight: float | Fraction) -> None:
+    """At seven digits u is not 0 where the sum is: no gain would bound it."""
+    text = form_text({"e": 1, "ce": weight})
+    sign, *number = text.removeprefix("e ").removesuffix("ce").split()
+    size = number[0] if number else "1"
+    read = Fraction(size) if "/" in size else Fraction(float(size))
+    assert (read if sign == "+" else -read) == Fraction(weight)
+
+
+def test_a_sector_of_a_drive_is_told_of_no_more_than_it_holds_on() -> None:
+    (drive,) = prove_drives(fuzzyarm.load_controller(fuzzyarm.shipped("servo.frb")))
+    told = "\n".join(drive_lines("servo.frb", drive, ["voltage"], sectors_only=True))
+    for along in drive.sectors:
+        for name, (low, high) in along.within.items():
+            words = re.findall(rf"{name} in (\S+) \.\. ([^:\s]+)", told)
+            assert any(low <= float(a) < float(b) <= high for a, b in words), (name, words)
+            assert not any(high < float(b) < 1.001 * high for _, b in words)

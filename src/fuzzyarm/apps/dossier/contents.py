@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fuzzyarm.apps.dossier.trial import ExportSize, ExportTrial, sizes, tried
 from fuzzyarm.base.files import write_folder
 from fuzzyarm.base.jsonable import entry, json_properties, jsonable
+from fuzzyarm.base.numbers import outward_text
 from fuzzyarm.exchange.export import Exported, ExportedController
 from fuzzyarm.exchange.export.write import ExportedFunction
 from fuzzyarm.exchange.files import check_file
@@ -157,7 +158,8 @@ def _figures_of(function: dict[str, Any]) -> Iterator[Sequence[str]]:
     worst = f"{function['worst']:.3g}, over {function['points']:,} points"
     yield f"worst error against {escape(function['against'])}", worst
     if function["proved"] is not None:
-        yield "worst error against the rules", f"{function['proved']:.6g}, proved"
+        worst = outward_text(function["proved"], up=True, digits=6)
+        yield "worst error against the rules", f"{worst}, proved"
     for sort, count in function["operations"].items():
         yield f"at most: {escape(sort)}", "not bounded" if count is None else f"{count:,}"
     if function["stack"] is not None:

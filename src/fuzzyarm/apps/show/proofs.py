@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.numbers import inward_interval, outward_text
 from fuzzyarm.proof.map import Bounds
 from fuzzyarm.proof.map.controllers import DriveProof, DriveSector
 from fuzzyarm.proof.map.prover import written
@@ -110,7 +110,7 @@ def _gain_lines(proof: DriveProof) -> list[str]:
 def _drive_sector(sector: DriveSector, proof: DriveProof) -> list[str]:
     slack = f", to {sector.slack:g}" if sector.slack else ""
     between = _interval(sector.low, sector.high)
-    within = [f"{name} in {_span(*ends)}" for name, ends in sector.within.items()]
+    within = [f"{name} in {inward_interval(*ends, 7)}" for name, ends in sector.within.items()]
     if len(sector.weights) == 1:
         (name,) = sector.weights
         unit = next((g.unit for g in proof.gains if g.source == name and g.unit), "")

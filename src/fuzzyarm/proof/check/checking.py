@@ -164,7 +164,11 @@ def region_lines(
         words = ""
         if alone is not None:
             words = f" (± {outward_text(alone, up=False, digits=4)} with the others at rest)"
-        yield f"    {name} in {inward_interval(low, high, 4)}{words}"
+        if arrival:  # where all runs are from then on, not where they may start
+            ends = outward_text(low, up=False, digits=4), outward_text(high, up=True, digits=4)
+            yield f"    {name} in {' .. '.join(ends)}{words}"
+        else:
+            yield f"    {name} in {inward_interval(low, high, 4)}{words}"
     if not arrival and not start_region:
         yield "  these are its farthest points; what memory starts as counts as well"
 

@@ -149,7 +149,7 @@ def loop_sentence(
     """
     words = [claim_text(claim)]
     if duration:
-        words = [f"{words[0].removeprefix('stable ')} for {duration:g} s"]
+        words = [f"{words[0].removeprefix('stable ')} for {number_text(duration)} s"]
     words += [] if plant is None else plant_changes(claim, plant)
     words += [] if text is None else controller_changes(text)
     words += [

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import decimal, outward_text
+from fuzzyarm.base.numbers import decimal, number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.claim.problem import ClaimError
@@ -192,7 +192,8 @@ class StartMap(Shown):
     def sentence(self) -> str:
         """Return the coverage in a sentence."""
         window = ", ".join(
-            f"{name} in {span.low:.6g} .. {span.high:.6g}" for name, span in self.window.items()
+            f"{name} in {number_text(span.low)} .. {number_text(span.high)}"
+            for name, span in self.window.items()
         )
         return (
             f"from {_percent(self.proved)} of {window} every run comes to rest, from"
@@ -205,7 +206,7 @@ class StartMap(Shown):
     def __str__(self) -> str:
         lines = [f"map: {self.statement}", f"  {self.sentence()}"]
         if self.others:
-            begun = ", ".join(f"{name} = {x:g}" for name, x in self.others.items())
+            begun = ", ".join(f"{name} = {number_text(x)}" for name, x in self.others.items())
             lines.append(f"  the other states begin at {begun}")
         if self._longest:
             longest = outward_text(self._longest, up=True)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import decimal
+from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
@@ -141,7 +141,9 @@ class Tube:
         for port in self.ports:
             whole = self.bounds(port, 0.0, self.duration)
             last = self.bounds(port, self.duration, self.duration)
-            report.append(f"{port} in {_ends(whole)}, at {self.duration:g} s in {_ends(last)}")
+            report.append(
+                f"{port} in {_ends(whole)}, at {number_text(self.duration)} s in {_ends(last)}"
+            )
         return report
 
     def holds(self, demand: Demand) -> bool:

@@ -16,7 +16,7 @@ from typing import Any
 from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.numbers import number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
@@ -149,7 +149,7 @@ class LoopVerdict(Shown):
         if self.tube is not None and self.proved:
             boxes = f"{self.tube.boxes} box{'es' * (self.tube.boxes != 1)}"
             arrival = self.tube.arrival
-            until = f"{arrival or self.tube.duration:g} s"
+            until = f"{outward_text(arrival or self.tube.duration, up=True)} s"
             lines.append(f"  as sampled, by a tube of {boxes} for {until}")
             if arrival:
                 lines.append("  from there on in an ellipsoid around rest that is never left, in")
@@ -452,7 +452,9 @@ def _keeps_memory(loop: System, states: int) -> bool:
 
 def _own_start(problem: LoopProblem) -> tuple[str, ...]:
     """Say where the plant starts by itself, of states of which a claim does not say it."""
-    values = ", ".join(f"{name} = {problem.start[name].low:g}" for name in problem.begins_alone)
+    values = ", ".join(
+        f"{name} = {number_text(problem.start[name].low)}" for name in problem.begins_alone
+    )
     return (f"of runs that start as the plant does: {values}",) if values else ()
 
 

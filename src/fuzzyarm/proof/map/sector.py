@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzyarm.base.jsonable import json_properties
+from fuzzyarm.base.numbers import number_text
 from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients, vertices_of
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Point, UnprovableError
@@ -202,15 +203,22 @@ def _demand_zero(prover: Prover, at: Mapping[str, Fraction]) -> None:
         raise NoSectorError(f"no sector: the output is {text} at {written(at)}")
 
 
-def form_text(weights: Form, digits: int = 7) -> str:
-    """Return a sum of inputs as ``1.5 e + 0.5 ce``."""
+def form_text(weights: Form, digits: int = 0) -> str:
+    """Return a sum of inputs as ``1.5 e + 0.5 ce``, exactly or to some digits."""
     text = ""
     for name, weight in weights.items():
         size = abs(float(weight))
         sign = " - " if weight < 0 else " + "
         sign = sign if text else sign.strip(" +")
-        text += f"{sign}{'' if size == 1.0 else f'{size:.{digits}g} '}{name}"
+        number = f"{size:.{digits}g}" if digits else _weight_text(weight)
+        text += f"{sign}{'' if weight in (1, -1) else f'{number} '}{name}"
     return text
+
+
+def _weight_text(weight: float | Fraction) -> str:
+    """Return the size of a weight, by which it reads back: as a float, else as a quotient."""
+    size = abs(Fraction(weight))
+    return number_text(float(size)) if Fraction(float(size)) == size else str(size)
 
 
 # ── slopes at a point ────────────────────────────────────────────────────────────────
