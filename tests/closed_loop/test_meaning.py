@@ -830,6 +830,20 @@ def test_delays_of_a_part_of_a_period_are_refused_also_of_ports_of_one_name(fold
         loop_problem(load_controller("c.frb"), find_plant("p.py"), sensors=sensors)
 
 
+def test_the_bounds_of_a_drive_are_its_own_also_beside_an_output_of_its_name(folder):
+    """Both had those of the output."""
+    text = PLANT.format(
+        name="P", states='{"y": "m", "x": "m"}', parameters={}, start="[0.0, 0.1]",
+        rates="[u[0] - x[0], -x[1]]",
+    )  # fmt: skip
+    (folder / "p.py").write_text(text.replace("10.0)}\n    s", '10.0), "u": Port("m")}\n    s'))
+    (folder / "c.frb").write_text("controller c\nperiod 10 ms\naxis a\n  drive u = 3\n")
+    claim = read_claim("stable", "p.py")
+    bounds, _ = loop_tube(load_controller("c.frb"), claim, 0.1, plant=find_plant("p.py"))
+    assert bounds.bounds("u", 0.0, 0.1).high == pytest.approx(0.1)
+    assert bounds.bounds("driven u", 0.0, 0.1).low == pytest.approx(3.0)
+
+
 def test_a_delay_of_very_many_periods_is_refused(folder):
     """Each was a state, and the matrices of a loop of 100,000 do not fit into memory."""
     servo, motor = load_controller(shipped("servo.frb")), find_plant("motor")

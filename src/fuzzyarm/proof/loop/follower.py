@@ -244,7 +244,9 @@ class Follower:
         )
         interface = problem.site.interface
         self.ports = [*interface.outputs, *interface.inputs]
-        self.labels = [interface.label(port) for port in self.ports]
+        self.labels = [interface.label(port) for port in interface.outputs]
+        for label in map(interface.label, interface.inputs):  # one may have an output's name
+            self.labels.append(f"driven {label}" if label in self.labels else label)
         self.labels += [error_label(interface.label(port)) for port in problem.errors]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
         self.lost_beyond = np.array([*map(problem.lost_beyond, interface.outputs)])
