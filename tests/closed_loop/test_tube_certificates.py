@@ -337,7 +337,7 @@ def test_a_file_nested_without_end_is_refused_in_a_sentence(tmp_path):
     path = tmp_path / "deep.json"
     for depth in range(940, 1000):  # where first the seal, then already the reader gives up
         nested = f"{'[' * depth}{']' * depth}"
-        path.write_text(f'{{"format": "fuzzyarm-proof 1", "deep": {nested}}}', encoding="utf-8")
+        path.write_text(f'{{"format": "fuzzyarm-proof 2", "deep": {nested}}}', encoding="utf-8")
         with pytest.raises(CertificateError, match=r"is damaged|is not JSON"):
             read_certificate(str(path))
 

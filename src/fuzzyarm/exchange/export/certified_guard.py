@@ -139,6 +139,11 @@ def _demand_region(checked: Checked) -> None:
             "the certificate is of the loop in continuous time, and a guard tests at samples",
             hint="leave out --continuous",
         )
+    if certificate.region.growth != 1:
+        raise ExportError(
+            "a run may leave the ellipsoid of starts of this certificate on its way to rest (it has"
+            " functions of cones), and a guard tests one ellipsoid",
+        )
     if certificate.sensors:
         raise ExportError(
             f"the sensor of '{next(iter(certificate.sensors))}' does not give the state at its"

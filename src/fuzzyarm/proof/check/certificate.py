@@ -30,7 +30,7 @@ from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import require_sense
 
-FORMAT = "fuzzyarm-proof 1"
+FORMAT = "fuzzyarm-proof 2"
 
 Matrix = tuple[tuple[Fraction, ...], ...]
 Pair = tuple[Fraction, Fraction]
@@ -93,9 +93,42 @@ class Evidence:
     box: Mapping[str, Fraction]
 
 
+class Fall(NamedTuple):
+    """Multipliers by which V falls from one cone to another.
+
+    Attributes
+    ----------
+    multipliers : tuple of Fraction
+        Of the blocks.
+    sides : matrix of Fraction
+        Of products of the signals that bound both cones.
+    """
+
+    multipliers: tuple[Fraction, ...]
+    sides: Matrix
+
+
+class Cone(NamedTuple):
+    """A part of the states, in which some inputs of rule bases are on one side of their rest.
+
+    Attributes
+    ----------
+    gains : tuple of Gains
+        In the order of the program, of regions that end at rest where an input has a side.
+    p : matrix of Fraction
+        Of V in this part.
+    falls : tuple of Fall
+        To each cone, in their order; one alone: to any.
+    """
+
+    gains: tuple[Gains, ...]
+    p: Matrix
+    falls: tuple[Fall, ...]
+
+
 @dataclass(frozen=True)
 class RegionProof:
-    """A region V = zᵀPz ≤ 1 that no run leaves.
+    """A region V = zᵀPz ≤ 1 from which all runs go to rest; without cones none leaves it.
 
     Attributes
     ----------
@@ -111,6 +144,10 @@ class RegionProof:
         By what share V falls in each period.
     states : tuple of str
         Names of the rows of P.
+    cones : tuple of Cone
+        Parts of the states with functions of their own, below V; then there are no multipliers.
+    growth : Fraction
+        How many times its start zᵀPz may be at most, at any sample; 1 without cones.
     """
 
     evidence: Evidence
@@ -119,6 +156,8 @@ class RegionProof:
     multipliers: tuple[Fraction, ...]
     rate: Fraction
     states: tuple[str, ...]
+    cones: tuple[Cone, ...] = ()
+    growth: Fraction = Fraction(1)
 
 
 class TubeProof(NamedTuple):
@@ -287,15 +326,7 @@ def _region_data(region: RegionProof) -> dict[str, Any]:
             "continuous": region.continuous,
             "memory": dict(evidence.memory),
             "rest": {n: _texts(pair) for n, pair in evidence.rest.items()},
-            "gains": [
-                {
-                    "region": {name: _texts(pair) for name, pair in gains.region.items()},
-                    "between": _texts(gains.between),
-                    "weights": {name: str(weight) for name, weight in gains.weights.items()},
-                    "gains": {name: _texts(pair) for name, pair in gains.gains.items()},
-                }
-                for gains in evidence.gains
-            ],
+            "gains": list(map(_gains_data, evidence.gains)),
             "spread": [[k, j, str(low), str(high)] for k, j, low, high in evidence.spread],
             "grip": str(evidence.grip),
             "box": {name: str(half) for name, half in evidence.box.items()},
@@ -304,6 +335,30 @@ def _region_data(region: RegionProof) -> dict[str, Any]:
         "p": [_texts(row) for row in region.p],
         "multipliers": _texts(region.multipliers),
         "rate": str(region.rate),
+        "growth": str(region.growth),
+        "cones": [
+            {
+                "gains": list(map(_gains_data, cone.gains)),
+                "p": list(map(_texts, cone.p)),
+                "falls": [
+                    {
+                        "multipliers": _texts(fall.multipliers),
+                        "sides": list(map(_texts, fall.sides)),
+                    }
+                    for fall in cone.falls
+                ],
+            }
+            for cone in region.cones
+        ],
+    }
+
+
+def _gains_data(gains: Gains) -> dict[str, Any]:
+    return {
+        "region": {name: _texts(pair) for name, pair in gains.region.items()},
+        "between": _texts(gains.between),
+        "weights": {name: str(weight) for name, weight in gains.weights.items()},
+        "gains": {name: _texts(pair) for name, pair in gains.gains.items()},
     }
 
 
@@ -617,11 +672,25 @@ def _region(data: Field) -> RegionProof:
             _rationals(loop["box"]),
         ),
         loop["continuous"].flag,
-        tuple(tuple(x.rational for x in row) for row in data["p"]),
+        _matrix(data["p"]),
         tuple(x.rational for x in data["multipliers"]),
         data["rate"].rational,
         tuple(name.text for name in data["states"]),
+        tuple(map(_cone, data["cones"])),
+        data["growth"].rational,
     )
+
+
+def _matrix(rows: Field) -> Matrix:
+    return tuple(tuple(x.rational for x in row) for row in rows)
+
+
+def _cone(data: Field) -> Cone:
+    falls = (
+        Fall(tuple(x.rational for x in fall["multipliers"]), _matrix(fall["sides"]))
+        for fall in data["falls"]
+    )
+    return Cone(tuple(map(_gains, data["gains"])), _matrix(data["p"]), tuple(falls))
 
 
 def _tube(data: Field) -> TubeProof:

@@ -51,6 +51,10 @@ OF_REGIONS = (
     "V = z'Pz falls in each control period for all gains between the proved ones (Lyapunov,"
     " S-procedure), so that no run leaves V <= 1 and all go to rest"
 )
+OF_CONES = (
+    "in each cone of states, by the sides of the inputs of rule bases, V = z'Pz is another, and in"
+    " each control period it falls from one to the next (S-procedure), so that all runs go to rest"
+)
 OF_TUBES = "sets hold all runs from one sample to the next (mean value theorem)"
 OF_MAPS = "each box leads into a region or into boxes before it (induction)"
 
@@ -318,7 +322,8 @@ class CheckedProof:
         self.havens = tuple(havens)
         self.loop = tuple(_loop_words(haven) for haven in havens)
         self.theorems = (
-            *((OF_REGIONS,) if regions else ()),
+            *((OF_REGIONS,) if any(not region.cones for region in regions) else ()),
+            *((OF_CONES,) if any(region.cones for region in regions) else ()),
             *((OF_TUBES,) if tubes else ()),
             *((OF_MAPS,) if certificate.window else ()),
         )

@@ -73,13 +73,17 @@ def _times(x: Number | None, factor: Number) -> Number | None:
 class LinearSignals:
     """Signals around rest, for a walk over the program; what is taken for granted is noted."""
 
-    def __init__(self, evidence: Evidence, surfaces: RuleSurfaces) -> None:
+    def __init__(
+        self, evidence: Evidence, surfaces: RuleSurfaces, *, in_cone: bool = False
+    ) -> None:
+        self.in_cone = in_cone
         # One claim for each look-up with an input that moves, in the order of the walk.
         self.gains = iter(evidence.gains)
         self.grip = exact(evidence.grip)
         self.surfaces = surfaces
         self.blocks: list[tuple[Parts, str]] = []
         self.bounds: list[Row] = []
+        self.sides: list[Parts] = []  # at least 0, in a cone
 
     def number(self, value: float) -> LinearSignal:
         """Return a number of the program."""
@@ -300,7 +304,12 @@ class LinearSignals:
                 region[name] = rest[name]
                 continue
             low, high = map(exact, claim.region[name])
-            half = min(high - rest[name][1], rest[name][0] - low)
+            above, below = high - rest[name][1], rest[name][0] - low
+            half = min(above, below)
+            if self.in_cone and half == 0:  # the claim is about one side of the rest
+                half = max(above, below)
+                sign = ONE if below == 0 else -ONE
+                self.sides.append({key: weight * sign for key, weight in x.parts.items()})
             if not half > 0:
                 raise LoopProofError(f"at rest '{name}' is outside the claim about {of}")
             self.bounds.append((x.parts, half, f"'{name}' of {of}"))

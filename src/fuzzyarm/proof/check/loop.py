@@ -90,6 +90,8 @@ class System:
         ``[g h]``, limit, and what it is.
     period : float
         s; 0 for a loop in continuous time.
+    sides : tuple of row
+        ``[g h]`` of signals that are not negative: of a cone.
     """
 
     size: int
@@ -97,6 +99,7 @@ class System:
     blocks: Matrix
     rows: tuple[tuple[Sequence[Number], Number, str], ...]
     period: float
+    sides: tuple[Sequence[Number], ...] = ()
 
     def rows_within(self) -> list[tuple[list[Number], Number, str]]:
         """Return rows g over z alone, such that |g z| ≤ limit means that all bounds hold."""
@@ -172,6 +175,7 @@ def checked_loop(
     *,
     continuous: bool = False,
     surfaces: RuleSurfaces | None = None,
+    in_cone: bool = False,
 ) -> CheckedLoop:
     """Derive a loop from its files, and check the statements of a certificate on the way.
 
@@ -187,6 +191,8 @@ def checked_loop(
         As if the controller ran without a period.
     surfaces : RuleSurfaces, optional
         Of its rule bases, where they have been cut already.
+    in_cone : bool
+        Of a part of the states: what is said of rule bases may be of one side of their rest.
 
     Raises
     ------
@@ -194,7 +200,8 @@ def checked_loop(
         With what is wrong, or not read.
     """
     of_rules = surfaces or RuleSurfaces()
-    return _Derivation(problem, tuple(names), evidence, of_rules, continuous=continuous).loop()
+    derivation = _Derivation(problem, tuple(names), evidence, of_rules, continuous=continuous)
+    return derivation.loop(in_cone=in_cone)
 
 
 class _Derivation:
@@ -284,10 +291,10 @@ class _Derivation:
 
     # --- one period ---
 
-    def loop(self) -> CheckedLoop:
+    def loop(self, *, in_cone: bool = False) -> CheckedLoop:
         """Return the matrices."""
         problem, names = self.problem, self.names
-        lines = LinearSignals(self.evidence, self.surfaces)
+        lines = LinearSignals(self.evidence, self.surfaces, in_cone=in_cone)
         z = {name: LinearSignal(self.rest[name], {name: ONE}) for name in names}
         inputs, after = self._period(lines, z)
         if next(lines.gains, None) is not None:
@@ -308,6 +315,7 @@ class _Derivation:
             blocks=[row(v) for v, _ in lines.blocks],
             rows=tuple((row(parts), limit, words) for parts, limit, words in lines.bounds),
             period=0.0 if self.continuous else problem.period,
+            sides=tuple(map(row, lines.sides)),
             names=names,
             rest=self.rest,
             words=tuple(words for _, words in lines.blocks),

@@ -9,12 +9,33 @@ For a symmetric P, multipliers τₖ ≥ 0 and a rate ρ in [0, 1)
 
 Then V ≤ 1 is never left, and every motion that begins in it goes to rest, V falling by a factor
 1 − ρ in each period: the loop is its matrices wherever the bounds hold, and there |wₖ| ≤ |vₖ|.
+
+*Cones.* Where rule bases have an edge at rest, the states may be cut into parts: by some inputs
+eₖ z of rule bases, each at least or at most 0, in all combinations. In part i the loop has
+matrices of its own, Aᵢ z + Bᵢ w, of slopes on that side alone, and a function Vᵢ = zᵀPᵢz. F are
+its eₖ z, turned so that none is negative there, and those of part j at the next sample. For a P,
+symmetric Nᵢⱼ without a negative entry, τ ≥ 0 of each i and j, and a growth γ ≥ 1
+
+1. Pᵢ > 0, and Pᵢ ≤ P ≤ γ Pᵢ;
+2. (1 − ρ) Vᵢ(z) − Vⱼ(Aᵢ z + Bᵢ w) − Σ τₖ (vₖ² − wₖ²) − FᵀNᵢⱼF > 0 for all (z, w) ≠ 0, all i, j;
+   where all Pᵢ are the same, F may be those of part i alone, with one inequality for all j;
+3. Vᵢ ≤ 1 keeps |g z| ≤ limit for each row of the loop and of part i.
+
+A run at z in part i is in some part j at the next sample; there |wₖ| ≤ |vₖ| and F ≥ 0, so that
+FᵀNF ≥ 0 and Vⱼ < (1 − ρ) Vᵢ. From zᵀPz ≤ 1, where Vᵢ ≤ 1, all parts' functions stay below 1,
+so that the bounds hold at all samples, and every motion goes to rest; on the way, k periods
+later, zᵀPz is at most γ (1 − ρ)ᵏ times what it was. Nothing is asked of Vᵢ and Vⱼ where parts
+meet, since samples go from one to the other by a step. (M. Johansson and A. Rantzer, "Computation
+of piecewise quadratic Lyapunov functions for hybrid systems", *IEEE Transactions on Automatic
+Control* 43, 1998, in continuous time; G. Ferrari-Trecate, F. A. Cuzzola, D. Mignone and M. Morari,
+"Analysis of discrete-time piecewise affine and hybrid systems", *Automatica* 38, 2002.)
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product as every
 from typing import Any
@@ -25,7 +46,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Address
-from fuzzyarm.proof.check.certificate import RegionProof
+from fuzzyarm.proof.check.certificate import Cone, Fall, RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop, System, checked_loop
 from fuzzyarm.proof.check.motion import output_between_samples
 from fuzzyarm.proof.check.numbers import (
@@ -70,9 +91,7 @@ def refutation(
         return "its matrices are not of the loop's size"
     if any(multiplier < 0 for multiplier in multipliers) or not 0 <= rate < 1:
         return "a multiplier or the rate is out of range"
-    matrix = _exact(p)
-    symmetric = all(matrix[i][j] == matrix[j][i] for i in range(n) for j in range(i))
-    if not symmetric or not is_positive_definite(matrix):
+    if not _is_positive(p):
         return "its matrix is not symmetric and positive definite"
     if not falls(system, p, multipliers, rate):
         return "its function does not fall"
@@ -92,34 +111,150 @@ def is_inside(p: Rows, row: Sequence[Number], limit: Number, level: Number = ONE
 
 def falls(system: System, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
     """Tell whether V falls along a system, see 2. above."""
-    size = system.size + len(system.blocks)
+    if rate and not system.period:
+        return False
     with ctx.workprec(300):
-        matrix = _exact(p)
-        carried = product(matrix, system.move)
-        if system.period:
-            total = product(transposed(system.move), carried)
-            total = [[-x for x in row] for row in total]
-            share = ONE - exact(rate)
-        elif rate:
-            return False
+        return is_positive_definite(_fall(system, _exact(p), _exact(p), multipliers, rate))
+
+
+def _fall(
+    system: System, now: Matrix, then: Matrix, multipliers: Sequence[Fraction], rate: Fraction
+) -> Matrix:
+    """Return the quadratic form over z and w of 2. above, from one function to another."""
+    size = system.size + len(system.blocks)
+    carried = product(then, system.move)
+    if system.period:
+        total = product(transposed(system.move), carried)
+        total = [[-x for x in row] for row in total]
+        share = ONE - exact(rate)
+    else:
+        total = [[arb(0)] * size for _ in range(size)]
+        share = ZERO
+    for i in range(system.size):
+        for j in range(size):
+            if j < system.size:
+                total[i][j] += now[i][j] * share
+            if not system.period:
+                total[i][j] -= carried[i][j]
+                total[j][i] -= carried[i][j]
+    # Less Σ τ (v² − w²): v is a row over z and w, w one coordinate.
+    for k, tau in enumerate(map(exact, multipliers)):
+        v = system.blocks[k]
+        moved = [j for j in range(size) if not is_zero(v[j])]
+        for i in moved:
+            for j in moved:
+                total[i][j] -= v[i] * v[j] * tau
+        total[system.size + k][system.size + k] += tau
+    return total
+
+
+def _is_positive(p: Rows) -> bool:
+    """Tell whether a matrix is symmetric and positive definite."""
+    matrix = _exact(p)
+    size = range(len(matrix))
+    symmetric = all(matrix[i][j] == matrix[j][i] for i in size for j in range(i))
+    return bool(symmetric and is_positive_definite(matrix))
+
+
+# ── V of cones ───────────────────────────────────────────────────────────────────────
+
+Parts = Sequence[tuple[System, Cone]]
+"""Each cone, with the loop in it."""
+
+
+def refutation_of_cones(system: System, parts: Parts, region: RegionProof) -> str:
+    """Return why functions of cones do not prove that a system comes to rest; empty: they do."""
+    n, p = system.size, region.p
+    square = all(len(m) == n and all(len(row) == n for row in m)
+                 for m in (p, *(cone.p for _, cone in parts)))  # fmt: skip
+    if not (square and system.period) or region.multipliers:
+        return "its matrices are not of the loop's size, or the loop is in continuous time"
+    if not 0 <= region.rate < 1 or region.growth < 1:
+        return "its rate or its growth is out of range"
+    if not _are_all([part for part, _ in parts]):
+        return "its cones are not all of the states"
+    if not all(map(_is_positive, (p, *(cone.p for _, cone in parts)))):
+        return "its matrix is not symmetric and positive definite"
+    against = (_outside_of_cone(system, part, cone, region) for part, cone in parts)
+    first = next(filter(None, against), "")
+    return first or ("" if fall_in_cones(parts, region.rate) else "its function does not fall")
+
+
+def _outside_of_cone(system: System, part: System, cone: Cone, region: RegionProof) -> str:
+    """Return what the function of a cone does not keep within; empty: it keeps all."""
+    p, growth = region.p, exact(region.growth)
+    if cone.p != p and not (_is_above(p, cone.p, ONE) and _is_above(cone.p, p, growth)):
+        return "the function of a cone is not between its start and its growth"
+    for row, limit, words in (*system.rows_within(), *part.rows_within()):
+        if not is_inside(cone.p, row, limit):
+            return f"its region leaves the bounds of {words}"
+    return ""
+
+
+def _is_above(larger: Rows, smaller: Rows, factor: Number) -> bool:
+    """Tell whether one function times a factor is above another."""
+    pairs = zip(_exact(larger), _exact(smaller), strict=True)
+    return is_positive_definite(
+        [[x * factor - y for x, y in zip(*rows, strict=True)] for rows in pairs]
+    )
+
+
+def _are_all(cones: Sequence[System]) -> bool:
+    """Tell whether cones are all of the states: both sides of each signal, in all combinations."""
+    found = []
+    for cone in cones:
+        signs: dict[tuple[Number, ...], bool] = {}
+        for row in cone.sides:
+            lead = next((x for x in row if x != 0), None)
+            is_plain = all(isinstance(x, fmpq) for x in row) and not any(row[cone.size :])
+            if lead is None or not is_plain:
+                return False
+            signal = tuple(x / lead for x in row[: cone.size])
+            if signs.setdefault(signal, lead > 0) != (lead > 0):
+                return False
+        found.append(signs)
+    signals = tuple(found[0]) if found else ()
+    if not found or any(set(signs) != set(signals) for signs in found):
+        return False
+    return len({tuple(signs[x] for x in signals) for signs in found}) == 1 << len(signals)
+
+
+def fall_in_cones(parts: Parts, rate: Fraction) -> bool:
+    """Tell whether V falls from each cone to each, see 2. above."""
+    alike = all(cone.p == parts[0][1].p for _, cone in parts)
+    for part, cone in parts:
+        if len(cone.falls) == 1 and alike:
+            goals: list[tuple[System | None, Cone]] = [(None, cone)]
         else:
-            total = [[arb(0)] * size for _ in range(size)]
-            share = ZERO
-        for i in range(system.size):
-            for j in range(size):
-                if j < system.size:
-                    total[i][j] += matrix[i][j] * share
-                if not system.period:
-                    total[i][j] -= carried[i][j]
-                    total[j][i] -= carried[i][j]
-        # Less Σ τ (v² − w²): v is a row over z and w, w one coordinate.
-        for k, tau in enumerate(map(exact, multipliers)):
-            v = system.blocks[k]
-            moved = [j for j in range(size) if not is_zero(v[j])]
-            for i in moved:
-                for j in moved:
-                    total[i][j] -= v[i] * v[j] * tau
-            total[system.size + k][system.size + k] += tau
+            goals = list(parts)
+        if len(cone.falls) != len(goals):
+            return False
+        for fall, (into, other) in zip(cone.falls, goals, strict=True):
+            if not _falls_into(part, cone.p, into, other.p, fall, rate):
+                return False
+    return True
+
+
+def _falls_into(
+    part: System, now: Rows, into: System | None, then: Rows, fall: Fall, rate: Fraction
+) -> bool:
+    """Tell whether V falls from a cone to another one, or to any."""
+    sides = [list(row) for row in part.sides]
+    with ctx.workprec(300):
+        if into is not None:
+            sides += product([row[: part.size] for row in into.sides], part.move)
+        weights = fall.sides
+        if len(weights) != len(sides) or any(len(row) != len(sides) for row in weights):
+            return False
+        symmetric = all(weights[i][j] == weights[j][i] for i in range(len(sides)) for j in range(i))
+        signs = [*fall.multipliers, *(x for row in weights for x in row)]
+        if len(fall.multipliers) != len(part.blocks) or not symmetric or min(signs, default=0) < 0:
+            return False
+        total = _fall(part, _exact(now), _exact(then), fall.multipliers, rate)
+        more = product(transposed(sides), product(_exact(weights), sides)) if sides else []
+        for i, row in enumerate(more):
+            for j, x in enumerate(row):
+                total[i][j] -= x
         return is_positive_definite(total)
 
 
@@ -310,10 +445,42 @@ def accepted(
         )  # fmt: skip
     except (KeyError, IndexError) as error:
         raise LoopProofError(f"it lacks {error}") from error
-    against = refutation(loop, region.p, region.multipliers, region.rate)
+    against = region_refutation(problem, loop, region, surfaces)
     if against:
         raise LoopProofError(against)
     return loop
+
+
+@precisely
+def region_refutation(
+    problem: LoopProblem, loop: CheckedLoop, region: RegionProof,
+    surfaces: RuleSurfaces | None = None,
+) -> str:  # fmt: skip
+    """Return why a region is not proved, of a loop that is derived; empty: it is."""
+    if not region.cones:
+        if region.growth != 1:
+            return "it grows without cones"
+        return refutation(loop, region.p, region.multipliers, region.rate)
+    return refutation_of_cones(loop, parts_of(problem, region, surfaces), region)
+
+
+@precisely
+def parts_of(
+    problem: LoopProblem, region: RegionProof, surfaces: RuleSurfaces | None = None
+) -> Parts:
+    """Return the loop in each cone of a region."""
+    if region.continuous:
+        raise LoopProofError("in continuous time there are no cones")
+    return [
+        (
+            checked_loop(
+                problem, region.states, replace(region.evidence, gains=cone.gains),
+                surfaces=surfaces, in_cone=True,
+            ),
+            cone,
+        )
+        for cone in region.cones
+    ]  # fmt: skip
 
 
 @precisely
@@ -369,19 +536,26 @@ def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number
 
 def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
     """Return the contents of a region as facts of a verdict."""
-    rest = {name: float(loop.rest[name]) for name in loop.names}
-    reach = {}
-    for name, half in reach_of(loop, ONE, region.p).items():
-        low, high = _limits(problem, region.evidence.memory.get(name, ""))
-        reach[name] = max(rest[name] - half, low), min(rest[name] + half, high)
     return {
-        "region": reach,
+        "region": where_states_are(problem, loop, region, ONE),
         "start_region": _along_alone(problem, loop, region.p),
-        "rest": rest,
+        "rest": {name: float(loop.rest[name]) for name in loop.names},
         "fall": float(region.rate),
         "continuous": region.continuous,
         "uncertain": loop.words,
     }
+
+
+def where_states_are(
+    problem: LoopProblem, loop: CheckedLoop, region: RegionProof, level: Number
+) -> dict[str, tuple[float, float]]:
+    """Return where states can be if zᵀPz is at most a level; from 1 on it never is above γ."""
+    reach = {}
+    for name, half in reach_of(loop, level, region.p).items():
+        rest = float(loop.rest[name])
+        low, high = _limits(problem, region.evidence.memory.get(name, ""))
+        reach[name] = max(rest - half, low), min(rest + half, high)
+    return reach
 
 
 def _limits(problem: LoopProblem, memory: str) -> tuple[float, float]:
@@ -406,7 +580,7 @@ def outside(
         return "a claim about an output is proved of the sampled loop"
     periods = max(claimed_in(problem, claim).first - begun, 0)
     try:
-        level = greatest(arb(faded(region.rate, periods) * level))
+        level = greatest(arb(faded(region.rate, periods) * level * exact(region.growth)))
         span = claimed_within(problem, loop, region.p, level, claim)
     except LoopProofError as error:
         return str(error)

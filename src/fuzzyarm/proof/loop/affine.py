@@ -174,6 +174,9 @@ class AffineAlgebra(LoopAlgebra[Affine]):
     ----------
     blocks, bounds : list
         The records.
+    inputs : list of (Affine, bool)
+        Those of rule bases that move, in the order of the walk, and whether the rules may have an
+        edge where it rests.
     gains, spread : list
         The same for a certificate, see :class:`fuzzyarm.proof.check.certificate.Evidence`.
     """
@@ -190,6 +193,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         self.grip, self.is_search = grip, is_search
         self.blocks: list[UncertainGain] = []
         self.bounds: list[SignalBound] = []
+        self.inputs: list[tuple[Affine, bool]] = []
         self.gains: list[Gains] = []
         self.spread: list[tuple[int, int, Fraction, Fraction]] = []
 

@@ -23,7 +23,7 @@ from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.outward import around, end_of
 from fuzzyarm.proof.map.bounds import Bounds, UnprovableError
 from fuzzyarm.proof.map.prover import Prover
-from fuzzyarm.proof.map.sector import NoSectorError, sector, slopes_at
+from fuzzyarm.proof.map.sector import NoSectorError, Slopes, sector, slopes_at
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
@@ -33,12 +33,13 @@ Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
 class Conclusions:
     """The rule bases and tables of one loop, with a cache of proved bounds.
 
-    Where the rest is not exact (`is_exact`), inputs are only near 0: a sector is none.
+    Where the rest is not exact (`is_exact`), inputs are only near 0: a sector is none. Where they
+    rest at 0 (`at_zero`), the linear law is the one around it, whatever they are.
     """
 
     def __init__(self, stop: Stop) -> None:
         self.stop = stop
-        self.is_exact = True
+        self.is_exact = self.at_zero = True
         self._cache: dict[object, object] = {}
 
     def _prover(self, sheet: RuleBase, output: str) -> Prover:
@@ -58,26 +59,29 @@ class Conclusions:
     def resting(
         self, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
     ) -> list[Affine]:
-        """Return the linear law of a rule base, which has the same rest: inputs are 0 there.
-
-        Near a rest that is known in floats alone, the law is the one around it.
-        """
+        """Return the linear law of a rule base, around its inputs at rest."""
         forms = []
         moving = {name: form for name, form in inputs.items() if not form.is_constant}
-        if not self.is_exact:
+        if not self.at_zero:
             moving = {name: form.deviation for name, form in moving.items()}
         for output in sheet.outputs:
             prover = self._prover(sheet, output.name)
             at = {name: form.constant for name, form in inputs.items()}
-            if self.is_exact:
+            if self.at_zero:
                 at |= dict.fromkeys(moving, ZERO)
             total = number(self._value_at(prover, at))
-            slopes = slopes_at(prover, {name: float(x) for name, x in at.items()})
+            slopes = self._slopes_at(prover, {name: float(x) for name, x in at.items()})
             for name, form in moving.items():
                 low, high = slopes.around(name)
                 total = total.plus(form.scaled((low + high) / 2))
             forms.append(Affine(total.constant, total.parts))
         return forms
+
+    def _slopes_at(self, prover: Prover, at: Mapping[str, float]) -> Slopes:
+        key = "slopes", id(prover), tuple(at.items())
+        if key not in self._cache:
+            self._cache[key] = slopes_at(prover, at)
+        return self._cache[key]  # type: ignore[return-value]
 
     def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
         for name, low, high in self._universes(prover):
@@ -108,8 +112,9 @@ class Conclusions:
         def rules(
             algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
         ) -> list[Affine]:
+            signs = _noted(choice, algebra, sheet, inputs)
             return [
-                self._conclusion(choice, algebra, sheet, output.name, inputs)
+                self._conclusion(choice, algebra, sheet, output.name, inputs, signs)
                 for output in sheet.outputs
             ]
 
@@ -122,12 +127,13 @@ class Conclusions:
         sheet: RuleBase,
         output: str,
         inputs: Mapping[str, Affine],
+        signs: Mapping[str, int],
     ) -> Affine:
         """Return an output as a known gain and blocks, around its inputs at rest."""
         prover = self._prover(sheet, output)
         rest = {name: variable.constant for name, variable in inputs.items()}
         value = self._value_at(prover, rest)
-        region = self._region(choice, algebra, prover, inputs)
+        region = self._region(choice, algebra, prover, inputs, signs)
         if prover.without_value(region) is not None:
             raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
         along = None
@@ -167,6 +173,7 @@ class Conclusions:
         algebra: AffineAlgebra,
         prover: Prover,
         inputs: Mapping[str, Affine],
+        signs: Mapping[str, int],
     ) -> dict[str, tuple[float, float]]:
         """Return where inputs are taken to be, which is noted."""
         rest = {name: variable.constant for name, variable in inputs.items()}
@@ -181,6 +188,8 @@ class Conclusions:
             if half <= 0 or not low <= rest[name] - half <= rest[name] + half <= high:
                 raise LoopProofError(f"at rest '{name}' is at the end of its universe")
             region[name] = around(rest[name], half)
+            if signs[name]:
+                region[name] = _on_one_side(region[name], rest[name], signs[name])
             algebra.require(inputs[name], -half, half, f"'{name}' of {prover.rulebase.name}")
         return region
 
@@ -197,12 +206,13 @@ class Conclusions:
         self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
     ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
         try:
-            slopes = slopes_at(prover, {})
+            slopes = self._slopes_at(prover, dict.fromkeys(prover.names, 0.0))
             weights = {}
             for name in names:
                 low, high = slopes.around(name)
-                ahead = slopes.along({name: ONE})
-                weights[name] = ahead if ahead is not None else (low + high) / 2
+                side = -ONE if not region[name][1] else ONE
+                ahead = slopes.along({name: side})
+                weights[name] = ahead * side if ahead is not None else (low + high) / 2
             if not all(weights.values()):
                 return None
             enclosure = sector(prover, weights, region)
@@ -260,6 +270,29 @@ class Conclusions:
             return _table_form(choice, algebra, sheet, inputs)
 
         return table
+
+
+def _noted(
+    choice: Assumptions, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+) -> dict[str, int]:
+    """Note the inputs of a rule base that move; return on which side of its rest each is."""
+    signs = dict.fromkeys(inputs, 0)
+    for name, x in inputs.items():
+        if not x.is_constant:
+            signs[name] = choice.signs[len(algebra.inputs)] if choice.signs else 0
+            at = float(x.constant)
+            corners = {c for term in sheet.variable(name).terms for c in term.shape.parameters}
+            edge = at in corners and Fraction(at) == x.constant
+            algebra.inputs.append((x.deviation, edge))
+    return signs
+
+
+def _on_one_side(region: tuple[float, float], rest: Fraction, sign: int) -> tuple[float, float]:
+    """Return the part of an interval on one side of a rest."""
+    at = float(rest)
+    if Fraction(at) != rest:
+        raise LoopProofError("an input does not rest at a float")
+    return (at, region[1]) if sign > 0 else (region[0], at)
 
 
 def _gain(

@@ -42,12 +42,16 @@ class Assumptions:
     along : bool
         Whether a rule base is a gain times the sum of its inputs that its linear law has, or a sum
         of its own slopes along each input.
+    signs : tuple of int
+        Of the inputs of rule bases that move, in the order of the program: on which side of its
+        rest each is, 0 for both; empty: all are on both.
     """
 
     share: Fraction = ONE
     grip: Fraction = ONE
     box: Mapping[str, Fraction] = field(default_factory=dict)
     along: bool = True
+    signs: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         halves = self.box.values()
@@ -83,6 +87,12 @@ class Form:
         s; 0 for a loop in continuous time.
     evidence : Evidence or None
         What a certificate says of it.
+    inputs : tuple of (row of Fraction)
+        ``[g h]`` of the inputs of rule bases that move, in the order of the program.
+    edges : tuple of bool
+        Whether the rules may have an edge where each of them rests.
+    signs : tuple of int
+        On which side of its rest each of them is, see :class:`Assumptions`.
     """
 
     names: tuple[str, ...]
@@ -97,6 +107,9 @@ class Form:
     seeds: Mapping[str, Affine]
     period: float
     evidence: Evidence | None = None
+    inputs: Matrix = ()
+    edges: tuple[bool, ...] = ()
+    signs: tuple[int, ...] = ()
 
     @property
     def size(self) -> int:
@@ -120,7 +133,14 @@ class Form:
                 for bound in self.bounds
             ),
             period=self.period,
+            sides=tuple(list(map(exact, row)) for row in self.sides),
         )
+
+    @cached_property
+    def sides(self) -> Matrix:
+        """``[g h]`` of signals that are not negative."""
+        signed = zip(self.inputs, self.signs, strict=False)
+        return tuple(tuple(x * sign for x in row) for row, sign in signed if sign)
 
     def row(self, signal: Affine) -> tuple[Fraction, ...]:
         """Return the weights of z and w in a signal."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 
 from fuzzyarm.plant.plant import Address, Port
@@ -26,6 +27,7 @@ from fuzzyarm.proof.loop.outward import exact_bounds
 from fuzzyarm.proof.loop.period import LoopPeriod
 from fuzzyarm.proof.loop.resting import rest_in_floats, unread_state
 from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
+from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.stop import Stop, check_time
 from fuzzyarm.symbolic.nodes import Symbol
 
@@ -126,23 +128,59 @@ class FormMaker:
         names = [*self.problem.states, *self.memory]
         if not SampledPlant(self.problem, {}).is_affine:
             return self._rest_at_set_point(names) or self._rest_in_floats()
+        rest: dict[str, Fraction] | None = None
+        why = LoopProofError("the loop does not rest anywhere that is known")
         try:
-            return self._rest_of_affine(names)
+            rest = self._rest_of_affine(names, dict.fromkeys(names, ZERO))
+            if self._rests_at(rest):
+                return rest
         except LoopProofError as error:
-            # The inputs of the rules are not 0 at rest, as where they read a measured value.
-            try:
-                return self._rest_in_floats()
-            except LoopProofError:
-                raise error from None
+            why = error
+        # The inputs of the rules are not 0 at rest, as where they read a measured value.
+        try:
+            near = self._rest_in_floats()
+            return self._rest_on_pieces(names, near) or near
+        except LoopProofError:
+            if rest is None:
+                raise why from None
+            # What is in the way there is said when the form is made.
+            self.is_exact = self._conclusions.is_exact = self._conclusions.at_zero = True
+            return rest
+
+    def _rests_at(self, rest: Mapping[str, Fraction]) -> bool:
+        """Tell whether rates of the plant and changes of memory are exactly 0 at a point."""
+        algebra = self._algebra(Assumptions(), is_search=True)
+        states = {name: number(value) for name, value in rest.items()}
+        inputs, after, _ = self._one_period(algebra, states)
+        moves = self._rates(algebra, states, inputs)
+        moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
+        return not any(move.constant for move in moves)
+
+    def _rest_on_pieces(
+        self, names: Sequence[str], near: Mapping[str, Fraction]
+    ) -> dict[str, Fraction] | None:
+        """Return the exact rest next to one in floats, if rules are linear there; else None."""
+        size = max(map(abs, near.values()), default=ZERO)
+        rest = {name: ZERO if abs(x) <= size * Fraction(1e-12) else x for name, x in near.items()}
+        with suppress(LoopProofError, UnprovableError):
+            rest = self._rest_of_affine(names, rest)
+            if self._rests_at(rest):
+                self.is_exact = self._conclusions.is_exact = True
+                return rest
+        return None
 
     def _rest_in_floats(self) -> dict[str, Fraction]:
-        self.is_exact = self._conclusions.is_exact = False
+        of = self._conclusions
+        self.is_exact = of.is_exact = of.at_zero = False
         near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
         return {name: Fraction(value) for name, value in near.items()}
 
-    def _rest_of_affine(self, names: Sequence[str]) -> dict[str, Fraction]:
+    def _rest_of_affine(
+        self, names: Sequence[str], near: Mapping[str, Fraction]
+    ) -> dict[str, Fraction]:
+        """Return where the loop rests if rules are their linear law around a point."""
         algebra = self._algebra(Assumptions(), is_search=True)
-        states = {name: variable(name) for name in names}
+        states = {name: variable(name, near[name]) for name in names}
         inputs, after, _ = self._one_period(algebra, states)
         rates = self._rates(algebra, states, inputs)
         residuals = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
@@ -152,7 +190,7 @@ class FormMaker:
             raise unread_state([name for name in self.problem.states if name not in read]) or (
                 LoopProofError("the loop does not rest at one point: its equations leave it open")
             )
-        return dict(zip(names, solution, strict=True))
+        return {name: near[name] + x for name, x in zip(names, solution, strict=True)}
 
     def _rates(
         self,
@@ -172,16 +210,10 @@ class FormMaker:
             for key, name in zip(self.equations.states, problem.states, strict=True):
                 if isinstance(root, Symbol) and root.name == key:
                     rest[name] = Fraction(problem.set_point[address])
-        algebra = self._algebra(Assumptions(), is_search=True)
-        states = {name: number(value) for name, value in rest.items()}
         try:
-            inputs, after, _ = self._one_period(algebra, states)
-            moves = self._rates(algebra, states, inputs)
+            return rest if self._rests_at(rest) else None
         except NotAffineError:
             return None
-        moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
-        # Exactly 0, or it is not its rest: rates of the plant and changes of memory.
-        return None if any(move.constant for move in moves) else rest
 
     # --- the form ---
 
@@ -242,6 +274,9 @@ class FormMaker:
             self._seeds(choice),
             0.0 if continuous else self.problem.period,
             self._evidence(choice, algebra),
+            tuple(row_of(x, names, count) for x, _ in algebra.inputs),
+            tuple(edge for _, edge in algebra.inputs),
+            choice.signs,
         )
 
     def _require_bounded(self, algebra: AffineAlgebra, outputs: Mapping[Address, Affine]) -> None:

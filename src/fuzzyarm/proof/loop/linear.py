@@ -79,18 +79,18 @@ def candidate(
         When to give up.
     """
     stop = stop or Stop()
-    a, b = _floats(form.a), _floats(form.b)
-    c = _floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
+    a, b = floats(form.a), floats(form.b)
+    c = floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
     limited = [*((row, limit) for row, limit, _ in form.rows_within()), *within]
     rows = [np.array([float(x) for x in row]) / float(limit) for row, limit in limited if any(row)]
     n, m = form.size, len(form.blocks)
     step = a if form.period else np.eye(n) + a / np.linalg.norm(a)
-    rows += _box_rows(step, rows)
+    rows += box_rows(step, rows)
     try:
         with warnings.catch_warnings():
             # Ill-conditioning reported by SciPy does not matter: the checker judges the result.
             warnings.simplefilter("ignore")
-            first = _whitening(a, rows, continuous=form.period == 0.0)
+            first = whitening(a, rows, continuous=form.period == 0.0)
     except np.linalg.LinAlgError:
         return None
     if first is None:
@@ -98,21 +98,21 @@ def candidate(
     back = np.linalg.inv(first)  # z = back ẑ, so that V of the linear loop is near |ẑ|²
     a, b = first @ a @ back, first @ b
     c = np.hstack([c[:, :n] @ back, c[:, n:]])
-    b, c, units = _in_units(b, c, n)
+    b, c, units = in_units(b, c, n)
     limits = [row @ back for row in rows]
-    basis = _symmetric_basis(n)
+    basis = symmetric_basis(n)
     falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
     points = [first @ np.array([float(x) for x in z]) for z in include]
     inequalities = [falls, _at_most(basis, m)]
     if m:
-        inequalities.append(_multipliers(len(basis), m))
+        inequalities.append(multipliers_within(len(basis), m))
     if limits:
         inequalities.append(_containing(np.array(limits), basis, m))
     if points:
         inequalities.append(_holding(np.array(points), basis, m))
     if not limits:  # everywhere: V has no scale of its own
         inequalities.append(_above_unit(basis, m))
-    begin = np.concatenate([_coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
+    begin = np.concatenate([coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
     y = feasible_point(inequalities, begin, stop)
     if y is None:
         return None
@@ -124,7 +124,7 @@ def candidate(
     p = first.T @ np.tensordot(y[:count], basis, 1) @ first
     taus = y[count:] / units**2
     volume = -0.5 * float(np.linalg.slogdet(p)[1])
-    return CertificateCandidate(_rationals(p), tuple(_short(x) for x in taus), volume)
+    return CertificateCandidate(rationals(p), tuple(short(x) for x in taus), volume)
 
 
 def declining(
@@ -144,9 +144,9 @@ def declining(
     from scipy.linalg import solve_discrete_lyapunov
 
     n, m = loop.size, len(loop.blocks)
-    move = _floats(loop.move)
+    move = floats(loop.move)
     a, b = move[:, :n], move[:, n:]
-    c = _floats(loop.blocks).reshape(m, n + m)
+    c = floats(loop.blocks).reshape(m, n + m)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -159,21 +159,21 @@ def declining(
     if not np.isfinite(back).all():
         return None
     a, b = first @ a @ back, first @ b
-    b, c, units = _in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
-    basis = _symmetric_basis(n)
+    b, c, units = in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
+    basis = symmetric_basis(n)
     inequalities = [_falling(a, b, c, basis, 1.0 - growth**2, continuous=False)]
     if m:
-        inequalities.append(_multipliers(len(basis), m))
-    begin = np.concatenate([_coordinates(np.diag(np.sign(values))), np.full(m, 1e-2)])
+        inequalities.append(multipliers_within(len(basis), m))
+    begin = np.concatenate([coordinates(np.diag(np.sign(values))), np.full(m, 1e-2)])
     y = feasible_point(inequalities, begin, stop)
     if y is None:
         return None
     p = first.T @ np.tensordot(y[: len(basis)], basis, 1) @ first
     exact = tuple(tuple(Fraction(float(x)) for x in row) for row in 0.5 * (p + p.T))
-    return exact, tuple(_short(x) for x in y[len(basis) :] / units**2)
+    return exact, tuple(short(x) for x in y[len(basis) :] / units**2)
 
 
-def _in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
+def in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
     """Return responses in units of their quantities, so that multipliers are of one size."""
     units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
     c = c / units[:, None]
@@ -181,7 +181,8 @@ def _in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
     return b * units, c, units
 
 
-def _floats(matrix: Sequence[Sequence[Any]]) -> Vector:
+def floats(matrix: Sequence[Sequence[Any]]) -> Vector:
+    """Return a matrix of rationals or balls as floats."""
     return np.array([[float(x) for x in row] for row in matrix], float)
 
 
@@ -189,7 +190,7 @@ FAR = 10.0
 """Factor beyond the bounds that the form allows of each state alone."""
 
 
-def _box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
+def box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
     """Return rows that keep every state finite: some are seen by no bound, or a period later."""
     n = len(a)
     reach = np.zeros(n)
@@ -205,7 +206,7 @@ UNSEEN = 1e-6
 """Share of the mean weight that a state has which no bound and no other state sees."""
 
 
-def _whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector | None:
+def whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector | None:
     """Return coordinates in which V of the loop without its blocks is about |ẑ|²."""
     eigenvalues = np.linalg.eigvals(a)
     stable = np.all(eigenvalues.real < 0) if continuous else np.all(np.abs(eigenvalues) < 1)
@@ -244,7 +245,8 @@ def _lyapunov(a: Vector, weight: Vector, *, continuous: bool) -> Vector:
     return 0.5 * (total + total.T)
 
 
-def _symmetric_basis(n: int) -> Vector:
+def symmetric_basis(n: int) -> Vector:
+    """Return the symmetric matrices with one entry of 1, or two, above each other."""
     basis = []
     for i in range(n):
         for j in range(i, n):
@@ -254,7 +256,8 @@ def _symmetric_basis(n: int) -> Vector:
     return np.array(basis)
 
 
-def _coordinates(p: Vector) -> Vector:
+def coordinates(p: Vector) -> Vector:
+    """Return the coordinates of a symmetric matrix in that basis."""
     return np.array([p[i, j] for i in range(len(p)) for j in range(i, len(p))])
 
 
@@ -316,7 +319,7 @@ def _at_most(basis: Vector, m: int) -> Inequality:
     return Inequality(LARGEST * np.eye(n)[None], parts[:, None])
 
 
-def _multipliers(count: int, m: int) -> Inequality:
+def multipliers_within(count: int, m: int) -> Inequality:
     """Return τ > 0 and τ < LARGEST."""
     parts = np.zeros((count + m, 2 * m, 1, 1))
     parts[count:, :m, 0, 0] = np.eye(m)
@@ -326,17 +329,17 @@ def _multipliers(count: int, m: int) -> Inequality:
     return Inequality(constant, parts)
 
 
-def _rationals(p: Vector) -> Matrix:
+def rationals(p: Vector) -> Matrix:
     """Return a matrix as rationals, slightly enlarged to make up for rounding."""
     p = 0.5 * (p + p.T) * (1.0 + 1e-9)
     scale = 1.0 / np.sqrt(np.diag(p))
     return tuple(
-        tuple(_short(p[min(i, j), max(i, j)], scale[i] * scale[j]) for j in range(len(p)))
+        tuple(short(p[min(i, j), max(i, j)], scale[i] * scale[j]) for j in range(len(p)))
         for i in range(len(p))
     )
 
 
-def _short(x: float, scale: float = 0.0) -> Fraction:
+def short(x: float, scale: float = 0.0) -> Fraction:
     """Return a number to some 13 digits of the relevant scale."""
     size = scale or 1.0 / max(abs(x), 1e-300)
     digits = 2 ** max(0, int(np.ceil(np.log2(max(size, 1e-300)))) + 44)

@@ -47,11 +47,18 @@ class Inequality:
 
     def at(self, y: Vector) -> Vector:
         """Return F(y), shape (r, n, n)."""
-        return np.asarray(self.constant + (y @ self._rows).reshape(self.constant.shape))
+        values = y[self.places] @ self.counted.reshape(len(self.places), self.constant.size)
+        return np.asarray(self.constant + values.reshape(self.constant.shape))
 
     @cached_property
-    def _rows(self) -> Vector:
-        return self.parts.reshape(len(self.parts), -1)
+    def places(self) -> NDArray[np.int64]:
+        """The unknowns that it has."""
+        return np.flatnonzero(self.parts.reshape(len(self.parts), -1).any(axis=1))
+
+    @cached_property
+    def counted(self) -> Vector:
+        """Their Fᵢ."""
+        return np.ascontiguousarray(self.parts[self.places])
 
 
 def feasible_point(
@@ -137,10 +144,11 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
         root = np.linalg.cholesky(inequality.at(y))
         here -= _logarithm(root)
         half: Vector = np.linalg.inv(root)
-        scaled = half @ inequality.parts @ half.swapaxes(1, 2)  # (k, r, n, n)
-        flat = scaled.reshape(len(y), -1)
-        gradient -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
-        hessian += flat @ flat.T
+        places = inequality.places
+        scaled = half @ inequality.counted @ half.swapaxes(1, 2)  # (k, r, n, n)
+        flat = scaled.reshape(len(places), inequality.constant.size)
+        gradient[places] -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
+        hessian[np.ix_(places, places)] += flat @ flat.T
     # Multipliers differ by many orders of magnitude: each coordinate in units of its curvature.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
     scaled_hessian = hessian * unit * unit[:, None] + 1e-13 * np.eye(len(y))

@@ -6,7 +6,7 @@ Nothing here is trusted: each proposal goes to the checker.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -14,10 +14,12 @@ from itertools import product
 import numpy as np
 
 from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.proof.check.certificate import Cone, RegionProof
 from fuzzyarm.proof.check.loop import System
-from fuzzyarm.proof.check.region import falls
+from fuzzyarm.proof.check.region import falls, refutation, refutation_of_cones
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import NotAffineError
+from fuzzyarm.proof.loop.cones import cone_candidates, cone_forms
 from fuzzyarm.proof.loop.form import Assumptions, Form, Matrix
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.linear import CertificateCandidate, candidate
@@ -45,6 +47,10 @@ class Proposal:
         See :mod:`fuzzyarm.proof.check.region`.
     size : float
         The logarithm of the volume of the region, except for a constant.
+    cones, growth
+        See :class:`~fuzzyarm.proof.check.certificate.RegionProof`.
+    parts : tuple of Form
+        The loop in each cone.
     """
 
     choice: Assumptions
@@ -53,6 +59,26 @@ class Proposal:
     multipliers: tuple[Fraction, ...]
     rate: Fraction
     size: float
+    cones: tuple[Cone, ...] = ()
+    growth: Fraction = Fraction(1)
+    parts: tuple[Form, ...] = ()
+
+    def region(self, *, continuous: bool) -> RegionProof:
+        """Return it as a certificate has it."""
+        assert self.form.evidence is not None
+        return RegionProof(
+            self.form.evidence, continuous, self.p, self.multipliers, self.rate, self.form.names,
+            self.cones, self.growth,
+        )  # fmt: skip
+
+    def refutation(self) -> str:
+        """Return why the forms of the search do not prove it; empty: they do."""
+        system = self.form.system
+        if not self.cones:
+            return refutation(system, self.p, self.multipliers, self.rate)
+        systems = [part.system for part in self.parts]
+        pairs = list(zip(systems, self.cones, strict=True))
+        return refutation_of_cones(system, pairs, self.region(continuous=False))
 
 
 def proposals(
@@ -157,6 +183,7 @@ class _Search:
                 hopeless = self._hopeless({})
                 if hopeless:
                     yield hopeless
+                    yield from self._in_cones()
                     return
             here = -math.inf
             for along in (True, False):
@@ -187,6 +214,40 @@ class _Search:
             else:
                 reason = "no quadratic function was found that falls, not even next to rest"
         return reason
+
+    def _in_cones(self) -> Iterator[Proposal | str]:
+        """Yield proposals of functions of cones, from next to rest outward as long as they hold."""
+        if self._starts or self.continuous:
+            return
+        low, high, at = len(SHARES), -1, len(SHARES) - 1  # from next to rest as far as it holds
+        while high < at < low and not self.stop.now:
+            found = None
+            choice = Assumptions(SHARES[at], self.grips[0], {}, along=False)
+            for found in self._tried_in_cones(choice):
+                yield found
+            if isinstance(found, Proposal):
+                low = at
+            elif low == len(SHARES):
+                return
+            else:
+                high = at
+            at = (low + high) // 2
+
+    def _tried_in_cones(self, choice: Assumptions) -> Iterator[Proposal | str]:
+        form = self._form(choice)
+        if isinstance(form, str):
+            yield form
+            return
+        try:
+            parts = cone_forms(self.maker, choice, form)
+        except (NotAffineError, UnprovableError, LoopProofError) as error:
+            yield str(error)
+            return
+        for found in cone_candidates(form, parts, self.stop) if parts else ():
+            yield Proposal(
+                choice, form, found.p, (), Fraction(0), found.size, found.cones, found.growth,
+                tuple(parts),
+            )  # fmt: skip
 
     def _looser(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
         """Yield proposals in which limits may be reached, where the region ends at them."""
@@ -385,18 +446,23 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
 
 
 def rate_of(form: System, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
-    """Return a share by which V falls in each period: a power of 2, then somewhat more."""
+    """Return a share by which V falls in each period."""
+    return greatest_rate(lambda rate: falls(form, p, multipliers, rate))
+
+
+def greatest_rate(does_fall: Callable[[Fraction], bool]) -> Fraction:
+    """Return a share by which something falls: a power of 2, then somewhat more; 0: by none."""
     low, high = 0, 48  # exponents: 1 and practically 0
     while high - low > 1:
         middle = (low + high) // 2
-        if falls(form, p, multipliers, Fraction(1, 2**middle)):
+        if does_fall(Fraction(1, 2**middle)):
             high = middle
         else:
             low = middle
     rate = Fraction(1, 2**high)
-    if not falls(form, p, multipliers, rate):
+    if not does_fall(rate):
         return Fraction(0)
     for eighths in (15, 13, 12, 11, 10, 9):
-        if falls(form, p, multipliers, rate * eighths / 8):
+        if does_fall(rate * eighths / 8):
             return rate * eighths / 8
     return rate

@@ -25,7 +25,7 @@ from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.numbers import exact, float_above, float_below, is_positive_definite
-from fuzzyarm.proof.check.region import claimed_within, faded, refutation
+from fuzzyarm.proof.check.region import claimed_within, faded, region_refutation
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port, problem_of
 from fuzzyarm.proof.loop.algebra import Number
@@ -224,11 +224,11 @@ class Haven:
         rests_from: int = 0,
     ) -> None:  # fmt: skip
         self.maker, self.claim = maker, claim
-        self.p, self.rate = certificate.p, certificate.rate
+        self.p, self.rate, self.growth = certificate.p, certificate.rate, certificate.growth
         against = "it is of other states" if certificate.states != loop.names else ""
         if certificate.continuous:
             against = "it is of the loop in continuous time"
-        against = against or refutation(loop, self.p, certificate.multipliers, self.rate)
+        against = against or region_refutation(maker.problem, loop, certificate)
         if against:
             raise LoopProofError(f"the region is not proved: {against}")
         self.loop = loop
@@ -254,7 +254,9 @@ class Haven:
         for halvings in range(40):
             level = exact(Fraction(1, 2**halvings))
             try:
-                low, high = claimed_within(self.maker.problem, self.loop, self.p, level, self.claim)
+                low, high = claimed_within(
+                    self.maker.problem, self.loop, self.p, level * exact(self.growth), self.claim
+                )
             except (FuzzyarmError, EnclosureError):
                 continue
             if exact(self.claim.low) <= low and high <= exact(self.claim.high):

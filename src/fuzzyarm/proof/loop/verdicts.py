@@ -32,7 +32,13 @@ from fuzzyarm.proof.check.certificate import (
 )
 from fuzzyarm.proof.check.checking import region_lines
 from fuzzyarm.proof.check.loop import CheckedLoop, System, checked_loop
-from fuzzyarm.proof.check.region import refutation, verified
+from fuzzyarm.proof.check.numbers import exact
+from fuzzyarm.proof.check.region import (
+    fall_in_cones,
+    parts_of,
+    verified,
+    where_states_are,
+)
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
@@ -41,7 +47,13 @@ from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.instability import growth
 from fuzzyarm.proof.loop.runs import refuting_run
-from fuzzyarm.proof.loop.search import Proposal, form_at_rest, proposals, rate_of
+from fuzzyarm.proof.loop.search import (
+    Proposal,
+    form_at_rest,
+    greatest_rate,
+    proposals,
+    rate_of,
+)
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.witnesses import contradiction
@@ -302,10 +314,12 @@ class _Case:
         )
         if reason:
             return self._said(UNDECIDED, reason=reason, evidence=in_the_way(way), rest=stable.rest)
+        region = stable.certificate.region
+        never_left = where_states_are(problem, self.loop, region, exact(region.growth))
         return self._said(
-            PROVED, tube=way, region=stable.region, rest=stable.rest, fall=stable.fall,
+            PROVED, tube=way, region=never_left, rest=stable.rest, fall=stable.fall,
             uncertain=stable.uncertain, evidence=_own_start(problem),
-            haven=stable.certificate.region,
+            haven=region,
         )  # fmt: skip
 
     def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
@@ -359,8 +373,7 @@ class _Case:
             if isinstance(proposal, str):
                 reason = proposal
                 continue
-            form = proposal.form
-            against = refutation(form.system, proposal.p, proposal.multipliers, proposal.rate)
+            against = proposal.refutation()
             if against:
                 reason = against
                 continue
@@ -386,16 +399,12 @@ class _Case:
         self, maker: FormMaker, claim: LoopClaim, proposal: Proposal
     ) -> tuple[LoopVerdict | None, str]:
         """Return the verdict of the checker, and of runs as witnesses, on a proposal."""
-        assert proposal.form.evidence is not None
-        region = RegionProof(
-            proposal.form.evidence, self.continuous, proposal.p, proposal.multipliers,
-            proposal.rate, proposal.form.names,
-        )  # fmt: skip
+        region = proposal.region(continuous=self.continuous)
         against, facts, loop = verified(maker.problem, claim, region, self.surfaces)
         if against or loop is None:
             return None, against
         if not (region.rate or region.continuous):  # by how much V falls in each period
-            rate = rate_of(loop, region.p, region.multipliers)
+            rate = _rate(maker.problem, loop, region, self.surfaces)
             region = replace(region, rate=rate)
             facts["fall"] = _float_down(rate)
         against = contradiction(maker.problem, loop, region, stop=self.stop)
@@ -441,6 +450,16 @@ def _bounds_at_rest(problem: LoopProblem, claim: LoopClaim) -> tuple[float, floa
         return (claim.low, claim.high) if claim.output else None
     at = problem.set_point[problem.site.interface.port(claim.output)]
     return at - claim.high, at - claim.low
+
+
+def _rate(
+    problem: LoopProblem, loop: CheckedLoop, region: RegionProof, surfaces: RuleSurfaces
+) -> Fraction:
+    """Return by what share V falls in each period."""
+    if not region.cones:
+        return rate_of(loop, region.p, region.multipliers)
+    parts = parts_of(problem, region, surfaces)
+    return greatest_rate(lambda rate: fall_in_cones(parts, rate))
 
 
 def _keeps_memory(loop: System, states: int) -> bool:

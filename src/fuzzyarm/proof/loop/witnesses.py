@@ -61,20 +61,22 @@ def contradiction(
     if certificate.continuous:
         return ""
     p = np.array([[float(x) for x in row] for row in certificate.p])
-    reach = np.sqrt(np.maximum(np.diag(np.linalg.inv(p)), 0.0))
+    reach = np.sqrt(float(certificate.growth) * np.maximum(np.diag(np.linalg.inv(p)), 0.0))
+    falls = certificate.growth == 1  # else functions of cones do
     duration = PERIODS * problem.period
     for start, values in _starts(problem, loop, certificate, count):
         stop.check()
         run = run_in_time(
             problem, start, values, duration, stop,
-            lambda run: _against(problem, loop, run, p, reach),
+            lambda run: _against(problem, loop, run, p, reach, falls=falls),
         )  # fmt: skip
         if run is None:
             continue
-        against = _against(problem, loop, run, p, reach)
+        against = _against(problem, loop, run, p, reach, falls=falls)
         if against:  # unless by the steps of its integrator only
             pair = converged(partial(_finer, problem, start, values, float(run.time[-1])), stop)
-            against = against if pair is None else _against(problem, loop, pair[1], p, reach)
+            if pair is not None:
+                against = _against(problem, loop, pair[1], p, reach, falls=falls)
         if against:
             words = ", ".join(f"{name} = {x:.6g}" for name, x in {**start, **values}.items())
             return f"the run from {words} {against}"
@@ -115,7 +117,9 @@ def _starts(
         yield dict(zip(names, map(float, at), strict=True)), values
 
 
-def _against(problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach: Vector) -> str:
+def _against(
+    problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach: Vector, *, falls: bool
+) -> str:
     """Return the event of a run that no run from the region has."""
     if run.diverged is not None:
         return f"diverges after {run.diverged:.4g} s"
@@ -124,7 +128,7 @@ def _against(problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach
         far = np.abs(values - float(loop.rest[name])).max() / reach[loop.names.index(name)]
         if not far <= 1.0 + SLACK:  # or is not a number: its steps are too long
             return f"leaves the region: {name} goes {far:.4g} times beyond its reach"
-    if set(course) != set(loop.names):  # memory is not seen in a run
+    if not falls or set(course) != set(loop.names):  # memory is not seen in a run
         return ""
     z = np.array([course[name] - float(loop.rest[name]) for name in loop.names]).T
     level = np.einsum("ki,ij,kj->k", z, p, z)
