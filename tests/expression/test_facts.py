@@ -1,7 +1,9 @@
 """What the records of norms and hedges state beside the formula is true of the formula."""
 
 import itertools
+import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -85,6 +87,18 @@ def test_inverses_find_their_degree(kind, numbers):
         found = kind.scalar(on(x), *map(float, numbers))
         # Beyond a step there is no degree between.
         assert found == pytest.approx(wanted, abs=1e-5) or numbers[0] == numbers[1]
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_a_centre_is_the_middle_of_the_core(kind, numbers):
+    if kind.centre is None or not all(map(math.isfinite, numbers)):
+        return
+    wide = 3.0 * max(map(abs, numbers))
+    x = np.union1d(np.linspace(-wide, wide, 4001), numbers)
+    degrees = np.array([kind.scalar(each, *map(float, numbers)) for each in x.tolist()])
+    core = x[degrees >= degrees.max() - 1e-12]
+    step = np.diff(x).max()
+    assert kind.centre(*numbers) == pytest.approx(0.5 * (core[0] + core[-1]), abs=step)
 
 
 @pytest.mark.parametrize(("kind", "numbers"), CASES)

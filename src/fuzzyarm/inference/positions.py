@@ -64,7 +64,8 @@ from fuzzyarm.symbolic.kernels import call, kernel
 HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID, NEAREST = range(8)
 """The requested position of a set: the last float of the output. A bisector of samples at
 ``midpoints`` is the sample nearest to half of the area; a value may be made of several positions
-where a set is greatest; the centroid is that of joined samples; the nearest is that to 0."""
+where a set is greatest; the centroid is that of joined samples; the nearest is that to 0. Those
+by area come first, which comparisons with `NEAREST_HALF` rely on."""
 
 BISECTIONS = 80
 """Halvings of a curved piece to where it passes a level."""

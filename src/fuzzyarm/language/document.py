@@ -205,8 +205,7 @@ def _group_lines(
                 )
             )
             if replacement is None:
-                if _signal_hint(line, heading):  # its name counts: one slip is one finding
-                    groups.append(_StatementTokens(_signals(), line.tokens[:1], (), ""))
+                groups += _name_above_axes(line, heading)
                 elsewhere = STATEMENTS.get(first.text)
                 below_unknown = {"", *(elsewhere.words if elsewhere is not None else ())}
                 continue
@@ -240,6 +239,13 @@ def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
         if other != heading and word in statements_below(other):
             return f"it belongs below a line  {other} NAME , above the next heading", None
     return near_hint(word, statements_below(heading))
+
+
+def _name_above_axes(line: SourceLine, heading: str) -> list[_StatementTokens]:
+    """Return the name that a line above the axes defines: its readers are no second finding."""
+    if not _signal_hint(line, heading):
+        return []
+    return [_StatementTokens(_signals(), line.tokens[:1], (), "")]
 
 
 def _signal_hint(line: SourceLine, heading: str) -> str:

@@ -234,7 +234,8 @@ class ExpectNode(NamedTuple):
     span: Span = NOWHERE
 
 
-_VERBS = ("rises", "falls", "slope", "odd", "covered")
+VERBS = ("rises", "falls", "slope", "odd", "covered")
+"""Of statements about an output; ``tests/proof/test_every_verb.py`` has a truth for each."""
 
 TABLE_MODES = tuple(reversed(LOOKUP_MODES))
 """Lookup modes of a table with a proved error; the smoothest is offered first."""
@@ -301,7 +302,7 @@ class ProveNode(NamedTuple):
 
     @classmethod
     def _claim(cls, name: Word, cursor: Cursor) -> ProveNode:
-        for verb in _VERBS:
+        for verb in VERBS:
             if not cursor.accept(verb):
                 continue
             if verb in ("rises", "falls"):
@@ -314,7 +315,7 @@ class ProveNode(NamedTuple):
             low = cursor.figure("the lowest slope")
             cursor.expect("..", "between the ends of the interval")
             return cls((), verb, name, input=by, low=low, high=cursor.figure("the highest slope"))
-        return cls((), "value", name, OutcomeNode.read_behind(name, cursor, _VERBS))
+        return cls((), "value", name, OutcomeNode.read_behind(name, cursor, VERBS))
 
     @classmethod
     def _table(cls, cursor: Cursor) -> ProveNode:
@@ -365,7 +366,7 @@ class Broken(NamedTuple):
 # --- Special parts ---
 
 
-class _Target(Part):
+class _OwnerBeforeColon(Part):
     """``VARIABLE:``, where the next token but one is a colon; offered unless it is `rare`."""
 
     def __init__(self, field: str, what: str, role: str = "", *, rare: bool = False) -> None:
@@ -393,7 +394,7 @@ class _Target(Part):
 
 
 class _SampleNumbers(Part):
-    """Numbers of ``lookup``: one, several, ``mirrored`` ones, or ``LOW .. HIGH step N``."""
+    """Numbers of ``lookup``: one; ``several``, ``mirrored``; ``even`` ones by step or count."""
 
     def __init__(self, *forms: str) -> None:
         self.forms = forms
@@ -533,17 +534,17 @@ LOOKUP_ROW = StatementRow(
         LOOKUP_ITEMS,
         {
             "levels": (
-                _Target("variable", "the name of an input", "input"),
+                _OwnerBeforeColon("variable", "the name of an input", "input"),
                 Column(),
                 _SampleNumbers("several", "even"),
             ),
             "bins": (
-                _Target("variable", "the name of an input", "input"),
+                _OwnerBeforeColon("variable", "the name of an input", "input"),
                 Column(),
                 _SampleNumbers("several", "mirrored"),
             ),
             "round": (
-                _Target("variable", "the name of an input", "input", rare=True),
+                _OwnerBeforeColon("variable", "the name of an input", "input", rare=True),
                 Column(),
                 _SampleNumbers(),
             ),
@@ -613,7 +614,7 @@ STATEMENTS: dict[str, StatementKind] = {
             StatementRow(
                 InferenceNode,
                 Keyword("inference"),
-                _Target("target", "the name of a variable"),
+                _OwnerBeforeColon("target", "the name of a variable"),
                 Phrase(
                     "settings",
                     _read_settings,

@@ -222,7 +222,7 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     for block in rulebase.blocks:
         yield list(_block(block, rulebase))
     if rulebase.lookup is not None:
-        yield [_lookup(rulebase.lookup)]
+        yield [lookup_node(rulebase.lookup)]
     yield [_expectation(expectation) for expectation in rulebase.expectations]
     yield [property_node(statement, rulebase) for statement in rulebase.properties]
     if rulebase.tuning is not None:
@@ -417,7 +417,8 @@ def _hedges(hedges: tuple[Hedge, ...]) -> tuple[HedgeNode, ...]:
     )
 
 
-def _lookup(lookup: Lookup) -> LookupNode:
+def lookup_node(lookup: Lookup) -> LookupNode:
+    """Return a ``lookup`` block as the writer has it."""
     items = []
     for axis in lookup.axes:
         items.append(_levels(axis))

@@ -24,7 +24,9 @@ figures for values, samples, straight lines and panels of curves.
 
 To add a defuzzifier
 --------------------
-One over the figures above is a record here, and nothing else; ``tests/kinds`` tries it. A new
+One over the figures above is a record here, and a row in
+``tests/inference/test_defuzzifiers.py`` with a value worked out by hand: ``tests/kinds`` compares
+engines with each other. A new
 figure is a name in ``ASPECTS``; a ``DefuzzifierProgram`` of the kernel
 (:mod:`fuzzyarm.inference.programs`), from which the exports print it; a record in ``WAYS`` of
 :mod:`fuzzyarm.proof.map.crisp` with its bounds, or it is refused by name; and a row of

@@ -127,7 +127,7 @@ class Names:
     ----------
     language : str
         Key of `RESERVED`; names in Structured Text are case-insensitive.
-    taken : iterable of str
+    reserved : set of str, optional
         Names already in use.
     refused : pattern, optional
         Pattern of further forbidden names.
@@ -178,8 +178,8 @@ class Names:
 def identifier(text: str) -> str:
     """Return `text` as letters, digits and single underscores, beginning with a letter.
 
-    Accents are dropped (ė becomes e); Greek letters are spelt. Neither language allows a
-    leading underscore, and Structured Text no double or trailing one.
+    Accents are dropped (ė becomes e); Greek letters are spelt. C reserves leading
+    underscores, Structured Text has no double or trailing ones.
     """
     words = re.sub(r"[^A-Za-z0-9]+", "_", in_ascii(text)).strip("_")
     if not words:

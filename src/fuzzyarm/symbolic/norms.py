@@ -6,8 +6,9 @@ Fodor, *Contrapositive symmetry of fuzzy implications*, 1995 (nilpotent).
 
 To add a norm or a hedge
 ------------------------
-Add its record here, with its source; the rest follows as for shapes (:mod:`.shapes`). `dual` is the
-norm of the other sort that is 1 − T(1 − a, 1 − b), if there is one. A new operation is a record of
+Add its record here, with its source; the rest follows as for shapes (:mod:`.shapes`). A norm
+has no parameters: fix them in its definition. `dual` is the norm of the other sort that is
+1 − T(1 − a, 1 − b), if there is one. A new operation is a record of
 :mod:`.operations`.
 """
 

@@ -1,4 +1,4 @@
-"""Expressions as source text: Python, C99, Structured Text, JavaScript.
+"""Expressions as source text: Python, C99, Structured Text, JavaScript, Rust.
 
 An expression is first lowered to statements (:func:`statements`): a part with two uses becomes a
 variable, a choice becomes an ``if``. A variable is set only where every path needs it, since a

@@ -366,9 +366,9 @@ class HedgeKind(Kind):
 
     Attributes
     ----------
-    Whether it keeps piecewise linear shapes so.
+    straight : bool
         Whether it keeps straight pieces straight.
-    Degrees at its corners.
+    bends : tuple of float
         Degrees at which it bends.
     aliases : tuple of str
         Synonyms.

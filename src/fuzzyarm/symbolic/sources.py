@@ -2,8 +2,8 @@
 
 ``NAME = deadband of e, width 0.5`` is one record: its word and options, its states, its update as
 one expression, its unit and its range. The reader, completion and help, the kernel, ranges,
-proofs, describing functions, diagrams, C and Structured Text all read that record. The list is
-closed: a source needs a textbook structure that uses it.
+proofs, describing functions, diagrams, C and Structured Text all read that record. Add
+one only if a textbook structure uses it.
 
 To add a source
 ---------------

@@ -12,7 +12,7 @@ from fuzzyarm.apps.show.rulebase import expression_words, norm_words
 from fuzzyarm.apps.show.table import table_grids
 from fuzzyarm.apps.show.terms import shape_words
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import number_text, outward_text, short_bins, short_levels
+from fuzzyarm.base.numbers import number_text, outward_text
 from fuzzyarm.inference.apart import SPREAD, Apart
 from fuzzyarm.language.edit.hover import rule_sentence
 from fuzzyarm.language.model.rulebase import (
@@ -28,7 +28,9 @@ from fuzzyarm.language.model.rulebase import (
     Variable,
     with_propositions,
 )
+from fuzzyarm.language.rows import lines_below
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.language.writer import lookup_node
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -325,7 +327,7 @@ def _settings(rulebase: RuleBase) -> dict[str, str]:
     settings = {"name": rulebase.name}
     for role, variables in (("input", rulebase.inputs), ("output", rulebase.outputs)):
         for variable in variables:
-            span = f"{number_words(variable.low, 12)} .. {number_words(variable.high, 12)}"
+            span = f"{number_text(variable.low)} .. {number_text(variable.high)}"
             settings[f"{role} {variable.name}"] = f"{span}, outside {variable.outside}"
     for output in rulebase.outputs:
         settings[f"defuzzifier {output.name}"] = str(output.defuzzifier)
@@ -340,13 +342,8 @@ def _settings(rulebase: RuleBase) -> dict[str, str]:
 
 def _lookup_words(rulebase: RuleBase) -> str:
     assert rulebase.lookup is not None
-    parts = []
-    for axis in rulebase.lookup.axes:
-        bins = f" bins {short_bins(axis.bins)}" if axis.bins else ""
-        parts.append(f"{name_text(axis.variable)} {short_levels(axis.levels)}{bins}")
-    if rulebase.lookup.round:
-        parts.append(f"round {number_words(rulebase.lookup.round)}")
-    return "; ".join(parts)
+    lines = lines_below(lookup_node(rulebase.lookup)) or []
+    return "; ".join(" ".join(line.split()) for line, _ in lines)
 
 
 # --- Tables: changed cells with old and new values ---

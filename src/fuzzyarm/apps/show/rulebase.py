@@ -80,8 +80,9 @@ def inference_view(rulebase: RuleBase) -> Text:
 
 
 def norm_words(block: RuleBlock) -> str:
-    """Return the norms of a block."""
-    return f"and {block.conjunction}, or {block.disjunction}, implication {block.implication}"
+    """Return the norms of a block, and the strength from which a rule counts."""
+    words = f"and {block.conjunction}, or {block.disjunction}, implication {block.implication}"
+    return f"{words}, threshold {number_text(block.threshold)}" if block.threshold else words
 
 
 def expression_words(expression: Expression) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target, start_text
 from fuzzyarm.exchange.export.routine import plain
 from fuzzyarm.exchange.export.typed_program import Member
+from fuzzyarm.symbolic.identifiers import identifier
 
 
 class Module(NamedTuple):
@@ -32,8 +33,9 @@ class Module(NamedTuple):
     create : str
         Makes a controller.
     frame : str
-        The file: ``<name>`` (the stem of its path), ``<constants>``, ``<helpers>``, ``<parts>``,
-        ``<more>`` and ``<test>``, which sets ``failed``. Names that it declares itself are reserved
+        The file: ``<name>`` (the stem of its path), ``<identifier>`` (made of that),
+        ``<constants>``, ``<helpers>``, ``<parts>``, ``<more>`` and ``<test>``, which sets
+        ``failed``. Names that it declares itself are reserved
         words of its language, but not ``failed``.
     controller : str
         A class: ``<fields>``, ``<starts>``, ``<parameters>``, ``<returned>`` and ``<step>``.
@@ -75,6 +77,7 @@ def module_of(printer: Printer, module: Module, name: str = "module") -> str:
     blocks: dict[str, Sequence[str] | str] = {
         "constants": printer.constants, "helpers": printer.helpers, "parts": parts, "test": test,
         "more": module.more(printer) if module.more else [], "name": name,
+        "identifier": identifier(name),
     }  # fmt: skip
     return "\n".join(["", *_filled(module.frame, blocks), ""])
 

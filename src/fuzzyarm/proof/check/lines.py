@@ -154,7 +154,9 @@ class LinearSignals:
             raise LoopProofError("a choice is open at rest")
         room = least(way.rest) if way.rest > 0 else -greatest(way.rest)
         if not room > 0:
-            raise LoopProofError("at rest two signals are equal, of which the greater one counts")
+            raise LoopProofError(
+                "at rest the two signals of a choice, a limit or a maximum are equal"
+            )
         self.bounds.append((way.parts, room, "a choice"))
         return bool(way.rest > 0)
 

@@ -258,7 +258,8 @@ class LoopProblem:
             hint = (
                 "leave the queue out of the plant and delay its sensor, --sensor-delay PORT=TIME"
                 if has_queue(plant)
-                else "arithmetic and functions of math in `derivative`, without `if` on a state"
+                else "arithmetic and functions of math in `derivative`, without `if` on a state:"
+                " write a switch with max, min or abs"
             )
             raise LoopProofError(f"the equations of {plant.name} cannot be traced", hint=hint)
         rates, outputs = roots

@@ -353,7 +353,9 @@ class AffineAlgebra(LoopAlgebra[Affine]):
             # A limit: it does not hold, whichever side is a number.
             return a.is_constant or b.is_constant
         if not way.constant:
-            raise NotAffineError("at rest two signals are equal, of which the greater one counts")
+            raise NotAffineError(
+                "at rest the two signals of a choice, a limit or a maximum are equal"
+            )
         least, most = (-way.constant, None) if way.constant > 0 else (None, -way.constant)
         self._note(way, least, most, "a choice")
         return way.constant > 0

@@ -191,8 +191,10 @@ PARTS = 256
 def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
     """Return a law applied after a curve, an expression over ``x``."""
     at, rest = outward(_values(root, law.at)), _values(root, law.rest)
-    if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
-        return replace(unknown(at, "a source may jump"), rest=rest, hole=law.hole)
+    operations = [node.operation for node in postorder(root) if isinstance(node, Apply)]
+    jump = next((operation for operation in operations if operation in JUMPS), None)
+    if jump is not None:
+        return replace(unknown(at, f"a source may jump ({jump})"), rest=rest, hole=law.hole)
     slope = derivative(root, "x")
     near = _slopes(root, law.rest)
     gains, around = _each(law.gains, near), _each(law.around, near)
