@@ -451,3 +451,9 @@ def test_a_large_error_is_said_beside_the_range_and_what_reduces_it(
     assert main([*words, *mode.split()]) == 0
     lines = [x for x in capsys.readouterr().out.splitlines() if " %" in x]
     assert lines == ([f"{cells}: less with  {ways}"] if cells else [])
+
+
+@pytest.mark.parametrize("step", [5e-324, 1e-310, 2.0**-200])
+def test_a_step_below_the_distance_of_floats_changes_nothing(step):
+    values = np.array([1.7e300, -1.0, 0.25, 0.0])
+    assert round_to(values, step).tolist() == values.tolist()

@@ -316,10 +316,14 @@ def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
         raise TableError(f"values are rounded to a positive step, not to {step:g}")
     # 0.1 as 1/10: multiples / 10 is the float nearest to the decimal, multiples · 0.1 is not.
     exact = decimal(step)
-    multiples = np.rint(values / step)
-    if exact.numerator < 2**20 and exact.denominator < 2**53:
-        return np.asarray(multiples * float(exact.numerator) / float(exact.denominator) + 0.0)
-    return np.asarray(multiples * step + 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        multiples = np.rint(values / step)
+        if exact.numerator < 2**20 and exact.denominator < 2**53:
+            rounded = multiples * float(exact.numerator) / float(exact.denominator) + 0.0
+        else:
+            rounded = multiples * step + 0.0
+    # A step far below the distance of neighbouring floats leaves a value as it is.
+    return np.asarray(np.where(np.isfinite(multiples), rounded, values))
 
 
 def _describe(

@@ -320,7 +320,8 @@ def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.flo
     count = len(course.motion.tracked)
     # One row for each tap: along columns NumPy would stride.
     taps = np.ascontiguousarray(samples.T)
-    return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
+    with np.errstate(over="ignore"):  # a run that diverges may end beyond all floats in degrees
+        return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
 
 
 def shown_means(course: Course, record: RunRecord, kind: int) -> NDArray[np.float64]:
