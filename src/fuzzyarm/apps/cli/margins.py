@@ -1,9 +1,9 @@
 """Stability margins of a loop: gain, phase and delay margin, and peak sensitivity.
 
-The sampled loop is linearised at its rest, with sensors, delays, memory and hold, but without the
-steps of sensors, and opened at each drive in turn with the others closed. The gain margin is the factor on the loop gain, up and
-down, at which it becomes unstable; the delay margin is the same for dead time of the actuator,
-fractions of a period included.
+The sampled loop is linearised at its rest, with sensors (but their steps), delays, memory and hold,
+and opened at each drive in turn with the others closed. The gain margin is the factor on the loop
+gain, up and down, at which it becomes unstable; the delay margin is the same for dead time of the
+actuator, fractions of a period included.
 
 A rule base has a single gain at rest only. Its gain over the ranges of its inputs (or over --share
 of them) has proved bounds; the worst margins found among those gains are printed as well.
