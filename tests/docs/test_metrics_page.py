@@ -11,7 +11,7 @@ import pytest
 import fuzzyarm
 from fuzzyarm.control.loop.metrics import FORMULAS, Metrics
 from fuzzyarm.inference.infer import DEFAULT_TOLERANCE
-from fuzzyarm.language.statements import _VERBS, TABLE_MODES
+from fuzzyarm.language.statements import TABLE_MODES, VERBS
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -96,7 +96,7 @@ def test_a_formula_is_the_metric(name, file, reference, lesson):
 def test_what_expect_and_prove_say_is_complete():
     expect, prove = PAGE.split("## What `expect` says")[1].split("## What `prove` says")
     said = " ".join(re.findall(r"(?m)^\| (`[^|]*) \|", prove))
-    for verb in _VERBS:
+    for verb in VERBS:
         assert re.search(rf"`u {verb}[ `]", said), verb
     assert all(f"`{mode}`" in prove for mode in TABLE_MODES)
     assert DEFAULT_TOLERANCE == LIKE_EXPECT == 1e-9

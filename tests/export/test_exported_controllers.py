@@ -504,7 +504,7 @@ def test_without_a_constant_gain_nothing_is_said_of_the_rules(body):
     assert program.beside_rules == ""
 
 
-BESIDE_RULES = {
+WAYS_FROM_RULES = {
     "a factor": "  drive voltage = w - u * 3",
     "nothing": "  drive voltage = w",
     "another axis": "axis rotor\n  s = shaft.u * 3\n  drive voltage = s",
@@ -520,13 +520,13 @@ BESIDE_RULES = {
 """Ways from rules to a drive."""
 
 
-@pytest.mark.parametrize("way", BESIDE_RULES)
+@pytest.mark.parametrize("way", WAYS_FROM_RULES)
 def test_a_drive_with_tables_is_as_near_to_that_with_rules_as_is_stated(way, tmp_path):
     performance = f'from "{shipped("performance-yamazaki.lut")}"'
     (tmp_path / "law.frb").write_text(
         f'controller law\nuse pd7 from "pd7.frb"\nuse F {performance}\nuse P {performance}\n'
         "period 1 ms\naxis shaft\n  e = error of position\n  ce = error of velocity\n"
-        f"  w = error of current\n  u = rules pd7(e, ce)\n{BESIDE_RULES[way]}\n"
+        f"  w = error of current\n  u = rules pd7(e, ce)\n{WAYS_FROM_RULES[way]}\n"
     )
     rules = load_controller(tmp_path / "law.frb")
     program, _ = compiled.controller_program(rules, compiled.Making(table=True, levels=3), "mixed")

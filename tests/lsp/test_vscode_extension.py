@@ -68,7 +68,7 @@ WORD_LISTS: dict[tuple[str, int | str], Iterable[str]] = {
 }
 """The words of a rule of the grammar, by its name and the index of the pattern in it, or by the
 part of the rule where that is another one."""
-_LIST = re.compile(r"(?<=[(:])[a-z-]+(?:\|[a-z-]+)+(?=\))")
+_LIST = re.compile(r"(?<=[(:])[A-Za-z-]+(?:\|[A-Za-z-]+)+(?=\))")
 
 
 def with_words(grammar: str) -> str:
