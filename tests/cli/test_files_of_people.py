@@ -149,6 +149,7 @@ def test_a_file_of_a_person_is_replaced_with_force_only(folder, capsys, where):
         Path(out).unlink()
 
 
+@pytest.mark.slow
 def test_marks_leave_formats_as_they_are(folder):
     for name in ("o.lut", "o.csv", "o.json", "o.npz"):
         assert main(["compile", "thesis-6.1.lut", "-o", name]) == 0
@@ -181,6 +182,7 @@ def test_a_mistyped_file_gets_the_nearest_one(folder, capsys, command):
     assert "did you mean 'pd7.frb'?" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theirs", ["what a person wrote\n", "made by fuzzyarm, from b.frb"])
 def test_of_a_pair_nothing_is_written_where_its_other_file_is_not_replaced(folder, capsys, theirs):
     Path("o.h").write_text(theirs)

@@ -85,6 +85,7 @@ expect e=1,'second input'=2->u in 0 .. 1
     compare("fmt_untidy.frb", (workplace / "untidy.frb").read_text(), update_golden)
 
 
+@pytest.mark.slow
 def test_the_demo(workplace, capsys, update_golden):
     assert main(["demo", "--keep", "the/story"]) == 0
     compare("demo.txt", capsys.readouterr().out, update_golden)

@@ -290,6 +290,7 @@ def test_what_commands_print_is_what_the_schemas_say(
     need(*(tool for tools in NEEDED.values() for tool in tools))  # or not all was looked at
 
 
+@pytest.mark.slow
 def test_the_schemas_and_the_page_are_as_they_are_made(maker: Any) -> None:
     stale = [
         output.name

@@ -119,6 +119,7 @@ def test_an_unknown_trajectory_is_wrong_usage(run):
 # --- Compared, swept, tuned ---
 
 
+@pytest.mark.slow
 def test_compare_runs_along_all_of_them(run, folder):
     rows = json.loads(run("compare hook.frb --plant crane.py --json"))
     assert rows[0]["rms"] == pytest.approx([rms(LIFT, (2, 5)), rms(SWING, (2, 5))], rel=1e-9)
@@ -157,6 +158,7 @@ def test_sweep_scales_the_load_and_keeps_what_is_set(run):
     )
 
 
+@pytest.mark.slow
 def test_tune_runs_on_its_trajectories_and_on_drawn_ones(run):
     words = "tune hook.frb --plant crane.py --workers 1 --evals 3 --unseen 2 --json"
     report = json.loads(run(f"{words} --scenarios 4"))

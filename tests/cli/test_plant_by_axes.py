@@ -118,6 +118,7 @@ def test_a_file_beside_a_name_of_the_catalogue_is_told_apart(run, tmp_path):
 # --- Comparing on other plants ---
 
 
+@pytest.mark.slow
 def test_compare_gives_what_simulate_gives(run, tmp_path):
     other = tmp_path / "other.frb"
     other.write_text(shipped("servo.frb").read_text("utf-8").replace("= 16", "= 30"))

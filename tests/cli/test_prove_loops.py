@@ -17,6 +17,7 @@ ON = ["prove", SERVO, "--plant", "motor"]
 START = "position in 0.1 .. 0.11"
 
 
+@pytest.mark.slow
 def test_a_tube_alone_bounds_all_ports(capsys, tmp_path):
     figure = tmp_path / "tube.svg"
     words = ["--with", "J in 0.009 .. 0.011", "--quantise", "position=0.001"]
@@ -46,6 +47,7 @@ def test_a_claim_gets_its_end(capsys, claim, status, verdict):
     assert (data["tube"] is None) == (verdict == "refuted")
 
 
+@pytest.mark.slow
 def test_a_tube_has_a_certificate(capsys, tmp_path):
     path = tmp_path / "c.json"
     claim = ["--claim", f"from {START}: position in 0 .. 0.2", "--for", "3ms"]
@@ -110,6 +112,7 @@ def test_a_file_takes_the_certificate_of_one_claim(capsys, tmp_path):
     assert not (tmp_path / "c.json").exists()
 
 
+@pytest.mark.slow
 def test_a_certificate_knows_the_sensors(capsys, tmp_path):
     path = tmp_path / "c.json"
     late = ["--sensor-delay", "position=1ms", "--sensor-delay", "velocity=1ms"]
@@ -258,6 +261,7 @@ LAG = (
 ON_LAG = "controller c\nperiod 10 ms\naxis y\n  e = error of y\n  drive u = e, within -10 .. 10\n"
 
 
+@pytest.mark.slow
 def test_names_in_a_certificate_count_from_its_folder(capsys, tmp_path, monkeypatch):
     for folder in ("plants", "loops", "proofs", "moved", "elsewhere"):
         (tmp_path / folder).mkdir()
@@ -300,6 +304,7 @@ def test_names_in_a_certificate_count_from_its_folder(capsys, tmp_path, monkeypa
     assert main(["prove", "--check", "../moved/proofs/c.json", "--trust"]) == 1
 
 
+@pytest.mark.slow
 def test_a_plant_of_a_line_counts_from_the_folder_of_the_controller(capsys, tmp_path, monkeypatch):
     (tmp_path / "loops a").mkdir()
     monkeypatch.chdir(tmp_path)

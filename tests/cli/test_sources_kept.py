@@ -121,6 +121,7 @@ def test_a_table_by_which_a_controller_learns_is_not_what_it_learned(folder, cap
     assert Path("performance-yamazaki.lut").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_file_that_is_tuned_in_place_is_written(folder):
     before = Path("servo.frb").read_bytes()
     shutil.copy(ROOT / "rulebases/pd7.frb", "pd7.frb")

@@ -42,6 +42,7 @@ def test_ranges_that_are_not(word):
         read_range(word)
 
 
+@pytest.mark.slow
 @given(st.floats(1e-6, 1e6), st.floats(1.0, 1e3), st.integers(2, 50), st.booleans())
 def test_a_range_holds_both_ends_and_rises(low, factor, count, log):
     values = Range("x", low, low * factor, count, log).values()
@@ -220,6 +221,7 @@ def test_drawn_runs_on_a_plant(tmp_path, capsys, monkeypatch):
     assert len({row[0] for row in found["rows"]}) == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [["payload"], ["payload", "K_I"]])
 def test_figures_show_where_runs_diverge(tmp_path, capsys, names):
     from fuzzyarm.apps.show.figures.sweep import sweep_figure

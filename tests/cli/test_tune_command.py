@@ -16,6 +16,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_file_is_written_and_passes_check(folder, capsys):
     words = ["tune", "heater", *QUICK, "--evals", "8", "--unseen", "2", "--scenarios", "2"]
     assert main([*words, "--vary", "outside=0..10", "-o", "mine.frb", "--plot", "mine.svg"]) == 0

@@ -195,6 +195,7 @@ def test_a_start_without_a_value_is_not_proved(loop, claim):
     assert within.proved
 
 
+@pytest.mark.slow
 def test_a_tube_ends_where_an_input_has_no_value(loop):
     controller = loop(text_of(e="inference e: outside error"))
     found = tube(loop_problem(controller, Lag(), start={"y": (0.9, 1.0005)}), 0.1, most=1)
@@ -205,6 +206,7 @@ def test_a_tube_ends_where_an_input_has_no_value(loop):
     assert "where there is no value" in found.reason
 
 
+@pytest.mark.slow
 def test_a_tube_ends_where_an_output_has_no_value(loop):
     controller = loop(text_of(more=", outside error", output="-0.5 .. 0.5"))
     claim = "from y in 0.7 .. 0.8: y in -3 .. 3 during 0 .. 100 ms"

@@ -76,6 +76,7 @@ def verdict(text):
     return prove(text, "stable", plant=Second())
 
 
+@pytest.mark.slow
 def test_a_loop_with_slopes_of_a_factor_of_32_is_proved_by_two_functions(verdict):
     assert verdict.proved
     region = verdict.certificate.region
@@ -83,6 +84,7 @@ def test_a_loop_with_slopes_of_a_factor_of_32_is_proved_by_two_functions(verdict
     assert region.growth > 1
 
 
+@pytest.mark.slow
 def test_runs_from_the_start_stay_below_its_growth_and_fade(verdict):
     region = verdict.certificate.region
     p = np.array(region.p, float)
@@ -212,6 +214,7 @@ def spread(maps, rng):
     return np.linalg.norm(z, axis=0).max()
 
 
+@pytest.mark.slow
 def test_a_map_that_is_proved_comes_to_rest():
     rng = np.random.default_rng(5)
     proved = common = unstable = 0

@@ -156,6 +156,7 @@ class Open(Pendulum):
     }
 
 
+@pytest.mark.slow
 def test_a_loop_is_proved_whose_plant_leaves_the_bounds_of_its_outputs_open(tmp_path):
     (tmp_path / "line.frb").write_text(LINE)
     controller = fuzzyarm.load_controller(tmp_path / "line.frb")
@@ -184,6 +185,7 @@ class Logging(Leaking):
         return [u[0] + 0.0 * math.log(x[0] - 0.5)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Leaking, Logging])
 def test_a_factor_of_0_does_not_hide_the_end_of_a_domain(kind):
     controller = parse(

@@ -107,6 +107,7 @@ def gains(text, **values):
 # ── what is proved ───────────────────────────────────────────────────────────────────
 
 
+@pytest.mark.slow
 def test_the_servo_is_stable_from_a_large_region(servo_verdict):
     assert servo_verdict.proved
     assert not servo_verdict.continuous
@@ -236,6 +237,7 @@ axis room
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sensors", [{}, {"temperature": Sensor(delay=20.0)}], ids=["", "late"])
 def test_rules_of_a_measured_value_rest_where_it_is_not_0(tmp_path, sensors):
     path = tmp_path / "heating.frb"
@@ -269,6 +271,7 @@ def runs_from(verdict, text, plant, count, duration):
         yield np.einsum("ki,ij,kj->k", z, p, z)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "plant", "duration", "few"),
     part(
@@ -351,6 +354,7 @@ def late(delay):
     return dict.fromkeys(("position", "velocity"), Sensor(delay=delay))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "text", "options"),
     [
@@ -378,6 +382,7 @@ def test_a_loop_that_is_not_next_to_its_rest_is_not_refuted(file, plant, claim):
     assert verdict.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sign", "slow"])
 def test_a_loop_that_leaves_its_rest_is_refuted(name):
     text = far_gains({"G_u": -4.5}) if name == "sign" else every(0.08)
@@ -411,6 +416,7 @@ def test_a_sensor_with_steps_is_not_proved_to_come_to_rest(servo):
 # ── results that are known ───────────────────────────────────────────────────────────
 
 
+@pytest.mark.slow
 def test_the_limit_of_a_linear_loop_is_found():
     # With the force held over h the mass under u = -K (x + v) has the characteristic polynomial
     # z² + (K h²/2 + K h - 2) z + 1 + K h²/2 - K h: Jury's condition at z = -1 gives K < 2 / h.
@@ -578,6 +584,7 @@ def places_in(data, path=()):
             yield from places_in(value, (*path, key))
 
 
+@pytest.mark.slow
 def test_each_field_of_another_kind_is_refused_in_a_sentence(servo_verdict, tmp_path):
     data = servo_verdict.certificate.as_data()
     del data["seal"]

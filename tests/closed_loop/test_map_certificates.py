@@ -75,6 +75,7 @@ def checked(folder: Path, data: dict[str, Any]) -> Checked:
     return check_certificate(str(folder / "f.json"), plant=find_plant(str(folder / "cliff.py")))
 
 
+@pytest.mark.slow
 def test_what_is_proved_is_what_the_checker_follows(made: tuple[Path, Any]) -> None:
     folder, found = made
     plant = find_plant(str(folder / "cliff.py"))
@@ -189,6 +190,7 @@ def test_what_a_map_does_not_show_is_said(made: tuple[Path, Any], change: Any, w
         assert any(word in again.reason for word in words.split("|")), again.reason
 
 
+@pytest.mark.slow
 def test_the_command_writes_and_checks_it_and_the_code_says_it(
     made: tuple[Path, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -205,6 +207,7 @@ def test_the_command_writes_and_checks_it_and_the_code_says_it(
     assert "from 100 % of y in -1.5 .. 1.5" in head
 
 
+@pytest.mark.slow
 def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
     """y' = u = -y goes to rest from everywhere, but from beyond 1 its error is too large."""
     text = PLANT.replace("bound=10.0", "error_bound=1.0").replace("0.5 * x[0] + u[0]", "u[0]")
@@ -224,6 +227,7 @@ def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
                for x in (*box.low, *box.high))  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "lines",
     [
@@ -274,6 +278,7 @@ def test_the_time_of_a_map_is_that_of_the_slowest_way_through_its_boxes(
     assert found.longest == pytest.approx(0.01 * max(slowest))
 
 
+@pytest.mark.slow
 def test_the_head_of_a_program_has_the_window_and_where_other_states_begin(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -140,6 +140,7 @@ def loop_of(plant, kind, late):
     return linearised(problem)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)
 def test_margins_of_linear_loops_are_those_of_python_control(plant, kind, late):
     control = pytest.importorskip("control")
@@ -268,6 +269,7 @@ SHIPPED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "plant", "set_point", "share"), SHIPPED)
 def test_no_gain_of_the_rules_is_worse_than_the_worst(name, plant, set_point, share):
     problem = loop_problem(load(shipped(name)), find_plant(plant), set_point=set_point)
@@ -336,6 +338,7 @@ def test_an_input_that_rests_beyond_its_range_is_said():
 # --- the command ---
 
 
+@pytest.mark.slow
 def test_the_command_prints_margins_and_draws_them(capsys, tmp_path):
     path = shipped("heater.frb")
     out = tmp_path / "margins.png"
@@ -344,6 +347,7 @@ def test_the_command_prints_margins_and_draws_them(capsys, tmp_path):
     assert out.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_json_has_null_for_what_is_unlimited(capsys):
     assert main(["margins", str(shipped("servo.frb")), "--json"]) == 0
     (data,) = json.loads(capsys.readouterr().out)
@@ -411,6 +415,7 @@ rules u
 """
 
 
+@pytest.mark.slow
 def test_an_integral_holds_what_the_feed_forward_lacks(tmp_path):
     """In the middle of the sensor's range the rules are flat, and Newton's method goes astray."""
     for name, text in (("quad.py", QUAD), ("hover.frb", HOVER), ("climb.frb", CLIMB)):
@@ -450,6 +455,7 @@ axis out
 """
 
 
+@pytest.mark.slow
 def test_a_state_that_nothing_reads_is_named(capsys):
     """A speed loop rests at any angle."""
     words = [str(EXAMPLES / "incremental-pi.frb"), "--plant", "motor"]
@@ -460,6 +466,7 @@ def test_a_state_that_nothing_reads_is_named(capsys):
     assert "the loop rests at any 'position'" in err
 
 
+@pytest.mark.slow
 def test_a_loop_rests_whose_outputs_are_not_states_by_name(tmp_path):
     """Far from its set point the rules are flat; there they have an edge, so no rounding may do."""
     (tmp_path / "buck.py").write_text(BUCK)

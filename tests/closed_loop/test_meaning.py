@@ -217,6 +217,7 @@ def test_a_sealed_certificate_of_a_false_claim_proves_nothing(certified, claim):
     assert checked(certified, **claim).verdict == "undecided"
 
 
+@pytest.mark.slow
 def test_an_instant_on_a_sample_is_proved_with_its_value(certified):
     instant = {"from": "1/50", "to": "1/50"}
     assert checked(certified, **instant).proved
@@ -238,6 +239,7 @@ def test_a_certificate_names_all_files(certified):
 DRAWN = "[0.0 * x + float(rng.standard_normal()) for x in (1.0,)]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "start", [DRAWN, "[rng.uniform(0.1, 0.2)]", "[float(__import__('random').random())]"]
 )
@@ -270,6 +272,7 @@ def test_a_certificate_does_not_make_a_drawn_start_known(folder):
     assert "draws where it starts" in verdict.reason
 
 
+@pytest.mark.slow
 def test_a_start_made_of_a_parameter_follows_it():
     text = load_controller("rulebases/cartpole.frb")
     tail = ": theta in -0.1 .. 0.1 during 0 .. 100 ms"
@@ -301,6 +304,7 @@ def test_a_start_made_of_a_copy_of_the_parameters_follows_them(folder, read):
     assert "makes its start of 'b'" in verdict.reason
 
 
+@pytest.mark.slow
 def test_a_verdict_says_where_states_begin_that_a_claim_leaves_out(folder):
     name = plant_file(
         states='{"y": "m", "v": "m/s"}', start="[0.5, 0.25]", rates="[x[1], u[0] - x[1]]"
@@ -325,6 +329,7 @@ def test_all_that_makes_another_loop_is_in_the_sentence(folder):
     )
 
 
+@pytest.mark.slow
 def test_the_sentence_of_a_late_sensor_is_that_of_its_certificate(folder):
     name, text = plant_file(), law()
     claim = read_claim(f"stable on '{name}'")
@@ -353,6 +358,7 @@ def test_gains_that_are_not_those_of_the_file_are_said():
     assert loop_sentence(claim, text=load_controller(path, {"G_e": 16.0})) == "stable on motor"
 
 
+@pytest.mark.slow
 def test_a_changed_plant_is_said():
     servo = load_controller("rulebases/servo.frb")
     motor = find_plant("motor")
@@ -414,6 +420,7 @@ def of_module(plant):
 WIDE = {"u": Port("V", -50.0, 50.0)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -720,6 +727,7 @@ class Limited(Plant):
 """
 
 
+@pytest.mark.slow
 def test_ports_have_the_limits_of_the_parameter_that_is_claimed(folder):
     Path("limited.py").write_text(LIMITED)
     Path("c.frb").write_text(LAW.format(""))
@@ -746,6 +754,7 @@ def test_the_words_of_a_region_stay_inside_it(folder):
         assert low <= region[name][0] < region[name][1] <= high
 
 
+@pytest.mark.slow
 def test_numbers_of_a_claim_stand_in_its_sentence_as_they_are(folder):
     (folder / "plant.py").write_text(
         PLANT.format(
@@ -794,6 +803,7 @@ def test_what_was_driven_before_the_start_is_refused_where_the_actuator_says_it(
     assert "begins at the start of its actuator" in found.reason
 
 
+@pytest.mark.slow
 def test_a_parameter_that_nothing_reads_is_not_claimed(folder):
     name = plant_file(parameters="{'k': 1.0, 'm': 2.0}", rates="[u[0] - p[0] * x[0]]")
     Path("c.frb").write_text(LAW.format(""))
@@ -804,6 +814,7 @@ def test_a_parameter_that_nothing_reads_is_not_claimed(folder):
             prove_loop(text, read_claim(f"stable with m in {span}", name))
 
 
+@pytest.mark.slow
 def test_a_certificate_of_other_parameters_is_of_the_same_plant(folder):
     text = load_controller(shipped("servo.frb"))
     for span in ("0.011 .. 0.011", "0.011 .. 0.0111"):

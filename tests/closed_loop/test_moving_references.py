@@ -340,6 +340,7 @@ def test_for_all_time_a_tube_leads_into_the_region_where_the_move_ends(loop, kin
             assert verdict.rest["y"] == pytest.approx(0.2)
 
 
+@pytest.mark.slow
 def test_bounds_of_an_error_at_rest_need_no_tube(loop):
     text, plant = loop()
     claim = "at y = 0.1 from y in 0.09 .. 0.11: error of y in -0.02 .. 0.02"
@@ -350,6 +351,7 @@ def test_bounds_of_an_error_at_rest_need_no_tube(loop):
     assert prove_loop(text, read_claim(narrow, plant), plant=find_plant(plant)).verdict == "refuted"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bounds", "expected"),
     [
@@ -386,6 +388,7 @@ def written(text, plant, claim, folder, **how):
     return path
 
 
+@pytest.mark.slow
 def test_a_certificate_says_the_reference_and_is_in_the_header_of_c(loop, tmp_path, capsys):
     text, plant = loop()
     path = written(text, plant, CLAIM, tmp_path)
@@ -458,6 +461,7 @@ def test_a_certificate_of_another_reference_is_refused(loop, tmp_path, name):
             assert (values["error of y"] <= 0.33).all()
 
 
+@pytest.mark.slow
 def test_a_certificate_of_a_loop_with_a_late_sensor(loop, tmp_path):
     text, plant = loop("fuzzy")
     how = {"sensors": {"y": Sensor(delay=0.02)}}

@@ -91,6 +91,7 @@ def exponential(matrix: np.ndarray) -> np.ndarray:
 # ── a false refutation ───────────────────────────────────────────────────────────────
 
 
+@pytest.mark.slow
 def test_a_stiff_plant_is_not_refuted_by_an_integrator_that_diverges(tmp_path: Path) -> None:
     plant = lag(tmp_path, "-2000.0*x[0] + 2000.0*u[0]")  # next y = -0.5 y
     from_here = proved(
@@ -99,6 +100,7 @@ def test_a_stiff_plant_is_not_refuted_by_an_integrator_that_diverges(tmp_path: P
     assert from_here.verdict != "refuted"
 
 
+@pytest.mark.slow
 def test_a_stiff_loop_is_proved_up_to_its_limit(tmp_path: Path) -> None:
     plant = lag(tmp_path, "-2000.0*x[0] + 2000.0*u[0]")  # next y = -gain y, except for e^-20
     assert proved(proportional(tmp_path, 0.99), "stable", plant).verdict == "proved"
@@ -107,6 +109,7 @@ def test_a_stiff_loop_is_proved_up_to_its_limit(tmp_path: Path) -> None:
     assert grown(refuted.evidence[-1]) == pytest.approx(1.01, abs=2e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_a_run_that_its_integrator_loses_is_no_witness(tmp_path: Path) -> None:
     # Without a bound nothing stops it before the numbers end.
@@ -115,6 +118,7 @@ def test_a_run_that_its_integrator_loses_is_no_witness(tmp_path: Path) -> None:
     assert proved(proportional(tmp_path, 0.9), "stable", plant).verdict == "proved"
 
 
+@pytest.mark.slow
 def test_an_unstable_loop_is_refuted_without_a_run_that_goes_far(tmp_path: Path) -> None:
     plant = lag(tmp_path, "u[0]")  # next y = -1.0001 y: within a second 1.01 times as much
     refuted = proved(proportional(tmp_path, 200.01), "stable", plant)
@@ -206,6 +210,7 @@ def test_what_is_not_enclosed_refutes_nothing(tmp_path: Path) -> None:
     assert verdict.verdict == "undecided"
 
 
+@pytest.mark.slow
 def test_a_run_beyond_the_bound_of_its_plant_is_enclosed(tmp_path: Path) -> None:
     body = LAG.replace("RATE", "-x[0] + x[0]*x[0]*x[0] + 0.0*u[0]").replace(
         '"m", -10.0, 10.0', '"m", -10.0, 10.0, bound=5.0'
@@ -280,6 +285,7 @@ def test_a_stable_straight_loop_is_never_refuted(tmp_path: Path) -> None:
 # ── tracebacks, and claims that contradict themselves ────────────────────────────────
 
 
+@pytest.mark.slow
 def test_a_rate_without_a_filter_has_a_verdict_and_no_warning(tmp_path: Path) -> None:
     plant = lag(tmp_path, "u[0] - x[0]")
     lines = "  e = error of y\n  r = rate of e\n  drive u = e + r * 0.01\n"
@@ -303,6 +309,7 @@ def test_a_name_of_a_state_and_of_another_output_is_refused(tmp_path: Path) -> N
         proved(text, "from y in 1 .. 1: y in 0 .. 1 during 0 .. 1 s", plant)
 
 
+@pytest.mark.slow
 def test_an_output_that_reads_a_drive_has_a_verdict(tmp_path: Path) -> None:
     body = LAG.replace('"y": Port("m", -10.0, 10.0)', '"y": Port("m"), "z": Port("m")').replace(
         "[RATE]",
@@ -332,6 +339,7 @@ def test_a_budget_holds_within_half_of_it() -> None:
     assert time.thread_time() - begun < 6.0
 
 
+@pytest.mark.slow
 def test_an_elimination_stops_in_time() -> None:
     generator = np.random.default_rng(1)
     square = generator.integers(-(10**6), 10**6, (150, 150)).astype(object)
@@ -345,6 +353,7 @@ def test_an_elimination_stops_in_time() -> None:
     assert inner.now
 
 
+@pytest.mark.slow
 def test_a_check_stops_in_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     servo = load_controller(shipped("servo.frb"))
     verdict = prove_loop(servo, read_claim("stable", "motor"))
@@ -410,6 +419,7 @@ def test_an_error_is_beyond_its_bound_where_the_output_is_beyond_both(tmp_path, 
     assert ("beyond the bound" in str(found)) is lost
 
 
+@pytest.mark.slow
 def test_an_actuator_that_nothing_drives_leaves_its_start(tmp_path):
     plant, text = plant_file(tmp_path, TWO_INPUTS), proportional(tmp_path, 1.0)
     for low, verdict in ("-0.01", "proved"), ("0.005", "refuted"):
@@ -476,6 +486,7 @@ axis lag
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "memory", ["relay of e, width 0.4, levels 0 .. 1", "hysteresis of e, width 0.4"]
 )

@@ -73,6 +73,7 @@ def _motor_step(x: np.ndarray, voltage: np.ndarray) -> np.ndarray:
     return x @ total[:3, :3].T + voltage[:, None] * total[:3, 3]
 
 
+@pytest.mark.slow
 def test_a_map_fills_its_window(servo: StartMap) -> None:
     assert servo.share("proved") == pytest.approx(1.0)
     shares = sum(servo.share(verdict) for verdict in ("proved", "refuted", "open"))
@@ -101,6 +102,7 @@ def test_runs_from_proved_boxes_are_in_the_region_when_it_says(servo: StartMap) 
         x = _motor_step(x, np.clip(4.5 * u, -24.0, 24.0))
 
 
+@pytest.mark.slow
 def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved(
     tmp_path: Path,
 ) -> None:
@@ -133,6 +135,7 @@ def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved
     assert found.share("refuted") >= 0.4
 
 
+@pytest.mark.slow
 def test_a_limit_that_some_boxes_reach_holds_no_integral_of_the_others() -> None:
     """A form of a box beside one at the limit had an excess of a rounding, and never arrived."""
     numbers = Zonotopes(2, RulePlanes)
@@ -149,6 +152,7 @@ def test_a_limit_that_some_boxes_reach_holds_no_integral_of_the_others() -> None
     assert found.settled == found.settled_proved == 400
 
 
+@pytest.mark.slow
 def test_a_journal_is_gone_on_with(tmp_path: Path) -> None:
     path = tmp_path / "map.csv"
     asked: dict[str, Any] = {"plant": "motor", "map": True, "over": CORNER, "resume": path}
@@ -171,6 +175,7 @@ def test_workers_find_the_same_shares() -> None:
     assert found.share("proved") == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_any_executor_maps() -> None:
     class Counting(ThreadPoolExecutor):
         count = 0
@@ -201,6 +206,7 @@ def test_what_is_left_of_a_box() -> None:
             _remaining(whole, [*done, MappedBox(*more, "proved", 1)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pd7", "balance", "roompi"])
 def test_planes_of_cells_hold_all_values(name: str) -> None:
     rules = fuzzyarm.load_rulebase(fuzzyarm.shipped(f"{name}.frb"))
@@ -291,6 +297,7 @@ def tipping(tmp_path: Path) -> tuple[Path, Path]:
     return tmp_path / "tip.frb", tmp_path / "tip.py"
 
 
+@pytest.mark.slow
 def test_an_interrupted_map_of_an_odd_loop_counts_each_box_once(
     tmp_path: Path, tipping: tuple[Path, Path]
 ) -> None:
@@ -333,6 +340,7 @@ def test_a_cover_misses_the_smallest_box(dimensions: int) -> None:
     cover.add((0.0,) * dimensions, (0.3,) * dimensions)  # no half of a half: not taken in
 
 
+@pytest.mark.slow
 def test_what_is_proved_is_a_goal_where_the_loop_remembers_nothing() -> None:
     """Pole and cart, in a small window: own dynamics and rules, all runs come to rest."""
     window = {"x": (0.4, 0.6), "v": (0.0, 0.1), "theta": (0.0, 0.05), "omega": (0.0, 0.1)}

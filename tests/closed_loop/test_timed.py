@@ -62,6 +62,7 @@ def test_a_claim_for_a_bounded_time(pendulum, claim, expected):
     assert bool(verdict.evidence) == (expected == "refuted")
 
 
+@pytest.mark.slow
 def test_what_is_true_but_beyond_a_tube_is_undecided_and_says_which_box(pendulum):
     problem = problem_of(pendulum, read_claim(f"{START}: angle in 0 .. 1", str(PENDULUM)))
     runs = sampled_runs(problem, 1.0, 40)
@@ -215,6 +216,7 @@ def test_the_claim_of_stability_is_of_the_same_loop():
 # ── sensors and parameters ───────────────────────────────────────────────────────────
 
 
+@pytest.mark.slow
 def test_sensors_and_parameters_of_a_claim(servo):
     inside = "position in -0.2 .. 0.2 during 0 .. 20 ms"
     claim = f"with J in 0.009 .. 0.011 from position in 0.1 .. 0.12: {inside}"

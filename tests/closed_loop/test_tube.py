@@ -175,6 +175,7 @@ def test_runs_pushed_to_the_border_stay_inside_and_come_near(tubes, name):
     assert max(reached) - min(reached) >= {"tanks": 0.05}.get(name, 0.35) * (high - low)
 
 
+@pytest.mark.slow
 def test_a_tube_that_is_too_narrow_is_left(tubes):
     found = tubes("single pendulum")
     narrow = copy.copy(found)
@@ -203,6 +204,7 @@ def test_the_single_pendulum_is_where_it_is_to_be(tubes):
     assert found.bounds("angle", 0.0, 0.05).high >= max(finest.outputs["angle"][:2])
 
 
+@pytest.mark.slow
 def test_demands_are_met_by_halving():
     problem, _ = problem_of("single pendulum", start={"angle": (0.6, 1.175), "rate": (-0.4, 0.4)})
     whole = tube(problem, 0.5)
@@ -218,6 +220,7 @@ def test_demands_are_met_by_halving():
     assert told[-1] == (pytest.approx(1.0), 0)
 
 
+@pytest.mark.slow
 def test_what_is_not_proved_is_said_with_its_box():
     problem, _ = problem_of("single pendulum")
     demand = Demand("angle", 0.0, 0.5, 0.5, 0.5)  # which is false
@@ -228,6 +231,7 @@ def test_what_is_not_proved_is_said_with_its_box():
     assert not found.holds(demand)
 
 
+@pytest.mark.slow
 def test_an_unstable_loop_has_no_tube_for_long():
     text = fuzzyarm.load(EXAMPLES / "single-pendulum.frb")
 
@@ -240,6 +244,7 @@ def test_an_unstable_loop_has_no_tube_for_long():
     assert found.open
 
 
+@pytest.mark.slow
 def test_sensors_with_steps_and_delays_are_errors_and_states():
     sensors = {"angle": Sensor(resolution=0.01, delay=0.05), "rate": Sensor(resolution=0.02)}
     problem, _ = problem_of("single pendulum", sensors=sensors)
@@ -281,6 +286,7 @@ def test_a_question_beyond_the_tube_is_refused(tubes):
         tubes("single pendulum").bounds("angle", 0.5, 2.0)
 
 
+@pytest.mark.slow
 def test_once_time_is_over_no_box_is_followed_alone(monkeypatch):
     text = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
     problem = loop_problem(text, find_plant("motor"), start={"position": (0.0, 0.1)})

@@ -227,6 +227,7 @@ def verdict(text, claim, plant="motor"):
     return prove_loop(text, read_claim(claim), plant=find_plant(plant), budget=20.0)
 
 
+@pytest.mark.slow
 def test_a_loop_with_what_was_driven_is_proved():
     lines = "  e = error of position\n  w = measured velocity\n  was = driven voltage\n"
     drive = "  drive voltage = e * 2 - w * 0.2 + was * 0.3, within -24 .. 24\n"

@@ -80,6 +80,7 @@ def test_sums_add_torques_whatever_they_are_made_of():
     np.testing.assert_allclose(torque(named), torque(controller("pd")) + torque(controller("cdid")))
 
 
+@pytest.mark.slow
 def test_sum_with_own_part_runs_and_equals_the_compiled_part_plus_nothing():
     class Nothing(Controller):
         def torque(self, reference, state, clock):
@@ -176,6 +177,7 @@ class Mine(Controller):
 """
 
 
+@pytest.mark.slow
 def test_own_controller_from_a_file(tmp_path):
     file = tmp_path / "mine.py"
     file.write_text(OWN)

@@ -60,6 +60,7 @@ def names(text, on=None):
 # --- Ranges ---
 
 
+@pytest.mark.slow
 def test_the_shipped_controllers_are_right():
     for name in shipped_names():
         if name.endswith(".frb"):

@@ -80,6 +80,7 @@ def test_a_table_that_is_interpolated():
     same(made, Written(lambda _j, e, ce: smooth.lookup(e, ce), 1080.0))
 
 
+@pytest.mark.slow
 def test_one_table_for_each_joint_and_any_order_of_its_axes():
     first, second = shipped_table("thesis-6.1.lut"), shipped_table("performance-yamazaki.lut")
     tables = (first, second)
@@ -93,6 +94,7 @@ def test_one_table_for_each_joint_and_any_order_of_its_axes():
         same(controller("fuzzy-lut", sources=Sources(table=given)), written, 1e-6)
 
 
+@pytest.mark.slow
 def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(tmp_path):
     rulebase = shipped_rulebase("pd7-study.frb")
     exact = interpreted(rulebase)
@@ -116,6 +118,7 @@ def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(t
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("smooth", [0.0, 1.0])
 def test_self_tuning_with_a_zoom(smooth, tmp_path):
     rules = interpreted(shipped_rulebase("pd7-study.frb"))
@@ -170,6 +173,7 @@ def test_smooth_zoom_has_no_jump_and_the_abrupt_one_has():
     assert np.diff(seen[0.0]).min() < -2.9
 
 
+@pytest.mark.slow
 def test_an_edit_of_the_rule_base_shows(tmp_path):
     text = Path(__file__).parents[2].joinpath("rulebases", "pd7.frb").read_text()
     file = tmp_path / "pd7.frb"

@@ -52,6 +52,7 @@ def test_what_is_not_such_a_grid_is_not_taken_for_one(name):
     )
 
 
+@pytest.mark.slow
 @given(rule_bases(), st.data())
 def test_random_rule_bases_agree_with_the_engine(rulebase, data):
     point = [data.draw(POINTS) for _ in rulebase.inputs]

@@ -82,6 +82,7 @@ def test_a_run_has_the_bits_of_plain_python(compiled):
         assert (drives["power"], drives["other"]) == expected
 
 
+@pytest.mark.slow
 def test_the_walk_has_them_too():
     run, rows = ReferenceRun(made(HEAD + LINES)), rows_of(2)
     for (temperature, wanted, auto, hand), expected in zip(rows, by_hand(rows), strict=True):
@@ -256,6 +257,7 @@ def test_a_choice_has_the_range_and_the_unit_of_both():
     assert reach.unit == {"%": 1}
 
 
+@pytest.mark.slow
 def test_a_proof_goes_on_where_bounds_decide_and_is_refused_where_they_do_not():
     text = load_controller(EXAMPLES / "manual-heater.frb")
     claim = read_claim("stable on room at temperature = 21", "room")

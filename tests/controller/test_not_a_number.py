@@ -505,6 +505,7 @@ def test_the_command_tells_what_was_skipped(tmp_path, monkeypatch, capsys):
     assert "c: axis a skipped 10 of 100 periods" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_gains_are_tuned_on_runs_with_lost_samples(tmp_path):
     text = tmp_path / "c.frb"
     text.write_text(

@@ -441,6 +441,7 @@ def test_a_period_without_a_number_leaves_a_delay_and_a_relay_as_they_were():
         assert found == [101.5, 101.5, 101.5, 101.5, 102.0, 100.5]
 
 
+@pytest.mark.slow
 def test_a_loop_with_a_delayed_signal_is_proved_stable_until_it_is_too_late():
     claims = []
     for time in (10, 20, 500):

@@ -188,6 +188,7 @@ def test_an_export_is_the_file_of_the_command(folder, monkeypatch, suffix, optio
     assert found == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("suffix", "options", "words"), [
     (".h", {"way": "rules"}, []),
     (".c", {"way": "table", "levels": "9", "mode": "linear"},
@@ -202,6 +203,7 @@ def test_an_exported_controller_is_the_file_of_the_command(
     assert found == of_command(folder, monkeypatch, *words)
 
 
+@pytest.mark.slow
 @requires("C compiler")
 def test_an_exported_unit_is_the_file_of_the_command(folder, monkeypatch):
     found = exported(folder / "servo.frb", ".fmu", {"fmi": "3"})
@@ -209,6 +211,7 @@ def test_an_exported_unit_is_the_file_of_the_command(folder, monkeypatch):
     assert found == of_command(folder, monkeypatch, *words)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("suffix", "options", "words"), [
     (".png", {"what": "terms"}, ["plot", "slide7.frb", "-o", "OUT/slide7.png", "--what", "terms"]),
     (".svg", {}, ["plot", "slide7.frb", "-o", "OUT/slide7.svg"]),
@@ -397,6 +400,7 @@ def test_a_table_is_shown_page_by_page(folder):
     assert table_page(session(folder / "pd7.frb"), []) is None
 
 
+@pytest.mark.slow
 def test_every_cell_is_proved_and_no_point_of_it_is_worse(folder):
     model = fuzzyarm.load(folder / "pd7.frb")
     found = told(
@@ -434,6 +438,7 @@ def test_cells_of_one_input_are_proved_too():
     assert all(map(math.isfinite, bounds))
 
 
+@pytest.mark.slow
 def test_a_table_finds_its_rules_in_the_folder(folder, monkeypatch):
     monkeypatch.chdir(folder)
     assert main(["compile", "pd7.frb", "-o", "pd7.lut", "--levels", "4", "--mode", "bins"]) == 0
@@ -669,6 +674,7 @@ def test_files_are_dropped_and_windows_hear_of_other_names(client, folder):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_page_says_what_it_was_opened_for(folder):
     from starlette.testclient import TestClient
 

@@ -115,6 +115,7 @@ def page(tmp_path):
 # --- learning ---
 
 
+@pytest.mark.slow
 def test_a_table_that_was_watched_has_the_bytes_of_the_command(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     modes = []

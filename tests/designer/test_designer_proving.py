@@ -89,6 +89,7 @@ def test_a_region_is_proved_and_drawn(page):
     assert kinds >= {"dots", "area", "line"}
 
 
+@pytest.mark.slow
 def test_a_plant_of_a_line_is_the_one_that_the_designer_was_given(page):
     own = page.folder / "own.py"
     own.write_text(
@@ -111,6 +112,7 @@ def test_a_plant_of_a_line_is_the_one_that_the_designer_was_given(page):
 # --- Sectors, tables, tubes, certificates ---
 
 
+@pytest.mark.slow
 def test_sectors_and_the_error_of_a_table_are_those_of_the_command(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     heard = verdicts(page.do("prove", "pd7.frb", sector=True))
@@ -168,6 +170,7 @@ def test_a_loop_is_bounded_for_a_time_from_its_starts(page):
     assert news["panels"]
 
 
+@pytest.mark.slow
 def test_a_map_of_starts_is_that_of_the_command_and_fills(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     asked = {"map": True, "over": "position in -1 .. 1, velocity in -4 .. 4", "plant": "motor"}
@@ -182,6 +185,7 @@ def test_a_map_of_starts_is_that_of_the_command_and_fills(page, monkeypatch, cap
     ]
 
 
+@pytest.mark.slow
 def test_margins_are_those_of_the_command(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     (facts,) = [news for news in page.do("opened-loop", "servo.frb") if "form" in news]

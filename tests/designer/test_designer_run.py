@@ -150,6 +150,7 @@ def open_page(client):
 FAST = {"plant": "motor", "reference": ["position=step:1"], "duration": "500ms", "speed": None}
 
 
+@pytest.mark.slow
 def test_metrics_follow_a_run_however_long_the_first_took(open_page, monkeypatch):
     whole, seen = ClosedLoop.answer, []
 
@@ -199,6 +200,7 @@ def test_a_page_runs_what_simulate_runs(open_page, folder):
     assert page.stop()["end"] == "stopped"
 
 
+@pytest.mark.slow
 def test_a_run_stands_at_its_time_with_the_bits_of_simulate_and_goes_on(open_page, folder):
     noisy = {"noise": ["position=0.01"], "seed": "7", "duration": "", "until": "500ms"}
     page = open_page("servo.frb")
@@ -225,6 +227,7 @@ def test_a_run_stands_at_its_time_with_the_bits_of_simulate_and_goes_on(open_pag
     assert page.stop()["end"] == "stopped"
 
 
+@pytest.mark.slow
 def test_a_hand_that_pushes_at_the_end_takes_a_run_further(open_page):
     page = open_page("servo.frb")
     page.start("run", **{**FAST, "duration": "", "until": "100ms", "speed": 1.0}, paused=True)
@@ -286,6 +289,7 @@ def test_only_plants_that_were_named_are_run(open_page, folder):
     assert page.stop()["end"] == "stopped"
 
 
+@pytest.mark.slow
 def test_what_cannot_be_run_is_said(open_page, folder):
     page = open_page("servo.frb")
     for change, words in (
@@ -332,6 +336,7 @@ def test_a_restart_that_does_not_work_leaves_the_run_as_it_stands(open_page):
     page.stop()
 
 
+@pytest.mark.slow
 def test_divergence_and_a_plant_that_fails_are_said(open_page, folder):
     page = open_page("ball-and-beam.frb")
     page.start("run", plant="ball-and-beam", reference=["position=step:1"], speed=None)
@@ -374,6 +379,7 @@ def test_a_hand_pauses_steps_pushes_and_tunes(open_page):
     page.stop()
 
 
+@pytest.mark.slow
 def test_a_text_is_taken_up_while_it_runs(open_page, folder):
     page = open_page("servo.frb")
     page.start("run", **{**FAST, "duration": "", "paused": True})
@@ -427,6 +433,7 @@ def test_a_rule_base_runs_on_the_arm(open_page):
     page.stop()
 
 
+@pytest.mark.slow
 def test_a_plant_of_ones_own_runs_along_its_trajectory(open_page, folder):
     crane = str(folder / "crane.py")
     page = open_page("hook.frb")

@@ -533,6 +533,7 @@ def test_long_work_tells_hears_and_is_stopped(client, work):
         assert set(kinds) <= {"findings", "scene", "unsaved"}  # and then it is said
 
 
+@pytest.mark.slow
 def test_a_window_has_a_bounded_number_of_works_and_is_answered_meanwhile(client, work):
     def wait(session, asked, job):
         job.tell({"begun": True})
@@ -659,6 +660,7 @@ def test_a_rename_during_a_check_loses_no_findings(client, monkeypatch):
             assert (news["file"], news["version"]) == ("b.frb", 1)
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_what_may_not_be_looked_at_is_left_out_and_the_watch_goes_on(client, tmp_path, monkeypatch):
     from fuzzyarm.apps.designer.folder import Workspace

@@ -169,6 +169,7 @@ def test_a_sweep_that_is_ended_keeps_its_runs_and_its_map(page, over):
 # --- Fit ---
 
 
+@pytest.mark.slow
 def test_a_fit_begins_with_what_is_open_and_names_no_folder(page):
     facts = page.do("fittable", "tipper.frb")[0]
     assert facts["models"][0] == "tipper.frb"

@@ -296,6 +296,7 @@ def test_a_folder_that_is_not_there_is_told_before_the_work(tmp_path, monkeypatc
     assert capsys.readouterr().err == "fuzzyarm: no such folder: 'nofolder'\n"
 
 
+@pytest.mark.slow
 def test_the_architectures_are_those_that_the_ide_knows(tipper):
     # "espressif32" is PlatformIO's word; the IDE warns of a library for it on every ESP32.
     architectures = {"due": "sam", "pico": "rp2040,mbed_rp2040", "esp32": "esp32"}
@@ -345,6 +346,7 @@ def test_a_period_that_a_call_does_not_fit_into_is_refused_with_what_fits(
     assert main(["compile", servo_of(shorter), "--for", "arduino", "-o", "shorter"]) == 1
 
 
+@pytest.mark.slow
 def test_without_a_compiler_the_period_is_told_to_be_unchecked(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for board in ("uno", "pico"):

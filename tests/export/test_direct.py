@@ -224,6 +224,7 @@ def test_nan_counts_as_the_lower_border(tmp_path, pd7):
     np.testing.assert_array_equal(found, expected)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(20, 60), suppress_health_check=[HealthCheck.filter_too_much])
 @given(
     st.data(),

@@ -324,6 +324,7 @@ def st_name(steps, port):
     return identifier(f"{front}{axis}{port.name}").lower()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "precision"),
     [
@@ -346,6 +347,7 @@ def test_a_function_block_drives_the_same_bits(tmp_path, name, precision):
         assert [float(found[st_name(steps, p)]) for p in steps.of_sort("drive")] == expected
 
 
+@pytest.mark.slow
 def test_a_gain_of_a_function_block_changes_between_calls_and_stays(tmp_path):
     text = shipped_text("servo")
     exported = export_controller(ControllerProgram(text, "float64"), tmp_path / "plc.st")
@@ -415,6 +417,7 @@ def test_a_damaged_controller_writes_nothing(tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["damaged.frb"]
 
 
+@pytest.mark.slow
 def test_the_command_says_what_it_wrote(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     stfc = str(shipped("stfc.frb"))
@@ -435,6 +438,7 @@ def test_options_of_source_text_do_not_apply_to_a_table(tmp_path, capsys):
     assert "--table does not apply" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_difference_that_is_reported_is_that_of_the_text(tmp_path, monkeypatch):
     """A text that drives otherwise than the controller says so, whatever the steps are."""
     program = ControllerProgram(shipped_text("servo"), "float64")
@@ -449,6 +453,7 @@ def test_the_difference_that_is_reported_is_that_of_the_text(tmp_path, monkeypat
     assert f"double precision: {wrong.program.tried.worst:.3g}" in wrong.files[0][1]
 
 
+@pytest.mark.slow
 def test_the_test_of_many_axes_runs_the_program_once_in_a_period(monkeypatch):
     # Errors that are chosen move each port by itself: 5,000 axes took 25 million steps of an axis.
     axis = "axis a{}\n  e = error of position\n  drive voltage = 2 * e\n"

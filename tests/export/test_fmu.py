@@ -61,6 +61,7 @@ def simulated(steps, path, rows, **options):
     return np.array([[row[name] for name in outputs] for row in result])[1 : len(rows) + 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "version"), [("cfaf", 2), ("soc-table", 3), ("everything", 2), ("everything", 3)]
 )
@@ -75,6 +76,7 @@ def test_a_unit_is_valid_and_drives_the_same_bits(tmp_path, name, version):
     np.testing.assert_array_equal(simulated(steps, path, rows), model_drives(text, steps, rows))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 def test_gains_are_set_before_a_run_and_have_units(tmp_path, version):
     text = shipped_text("fuzzy-lut")
@@ -96,6 +98,7 @@ def test_gains_are_set_before_a_run_and_have_units(tmp_path, version):
         assert list(run.step(*sides.values()).values()) == drives.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_step_of_the_host_is_as_many_periods(tmp_path, version):
     text = shipped_text("hfie")
@@ -206,6 +209,7 @@ def library_of(path, folder):
     return ctypes.CDLL(str(folder / name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 def test_every_function_of_the_standard_is_there(tmp_path, version):
     header = Path(fmpy.__file__).parent / "c-code" / f"fmi{version}FunctionTypes.h"
@@ -216,6 +220,7 @@ def test_every_function_of_the_standard_is_there(tmp_path, version):
     assert [name for name in sorted(names) if not hasattr(library, name)] == []
 
 
+@pytest.mark.slow
 def test_a_state_is_kept_and_restored(tmp_path):
     text = shipped_text("soc-zero")
     steps, path = made(text, tmp_path, 2)
@@ -253,12 +258,14 @@ def test_a_state_is_kept_and_restored(tmp_path):
     library.fmi2FreeInstance(unit)
 
 
+@pytest.mark.slow
 def test_a_unit_comes_out_the_same_again(tmp_path):
     program = ControllerProgram(shipped_text("fuzzy-lut"), "float64")
     one, two = (export_controller(program, tmp_path / "made.fmu").files[0][1] for _ in range(2))
     assert one == two
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", ["no-such-compiler", "false"])
 def test_without_a_compiler_that_works_nothing_is_written(tmp_path, monkeypatch, capsys, compiler):
     monkeypatch.setenv("CC", compiler)
@@ -317,6 +324,7 @@ def test_platforms_that_are_not_known_are_named(tmp_path, capsys, words, message
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_without_the_wheel_it_says_what_to_install(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("fuzzyarm.exchange.export.fmu.find_spec", lambda name: None)
     words = ["compile", str(shipped("servo.frb")), "-o", str(tmp_path / "servo.fmu")]

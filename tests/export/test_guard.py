@@ -233,6 +233,7 @@ def test_what_passes_at_the_border_is_as_the_head_says(guarded):
     assert not passes(guarded, odd).any()
 
 
+@pytest.mark.slow
 @on_servo
 def test_the_least_v_is_that_of_the_best_current(guarded):
     # The independent elimination against a minimum that is searched.
@@ -312,6 +313,7 @@ def test_hold_is_the_last_value(guarded, tmp_path):
     assert "voltage holds, until init" in (tmp_path / "servo.c").read_text()
 
 
+@pytest.mark.slow
 @on_servo
 def test_the_step_itself_is_as_without_a_guard(guarded, tmp_path):
     out = tmp_path / "servo.c"
@@ -507,6 +509,7 @@ def refusal(capsys, *words):
     return capsys.readouterr().err
 
 
+@pytest.mark.slow
 @on_servo
 def test_only_what_has_a_guard_gets_one(guarded, tmp_path, capsys):
     path, certificate = guarded.folder / "servo.frb", guarded.folder / "servo.json"
@@ -527,6 +530,7 @@ def test_only_what_has_a_guard_gets_one(guarded, tmp_path, capsys):
     assert not out.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -542,6 +546,7 @@ def test_a_certificate_of_anything_else_is_refused(tmp_path, capsys, words, sent
     assert sentence in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("guarded", "outside"), [("servo", False), ("heater", True)], indirect=["guarded"]
 )
@@ -553,6 +558,7 @@ def test_a_plant_that_starts_outside_the_region_is_said(guarded, tmp_path, capsy
     assert ("room starts at temperature = 15, wall = 15, outside the region" in told) == outside
 
 
+@pytest.mark.slow
 def test_a_drive_without_a_fallback_is_refused(tmp_path, capsys):
     path = with_fallback(tmp_path, "servo", "on nan 0")
     certificate = proved(path, *LOOPS["servo"])

@@ -206,6 +206,7 @@ def test_a_controller_drives_the_bits_of_the_model(tmp_path, name):
     assert found == [row.astype("<f8").tobytes().hex() for row in expected]
 
 
+@pytest.mark.slow
 def test_every_source_and_limit_has_the_bits_of_the_model(tmp_path):
     text = text_of(EVERYTHING)
     steps = module_of(text, tmp_path / "made.py")

@@ -59,6 +59,7 @@ def network(table: LookupTable, path: Path, precision: str = "float64"):
     return exported
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(tables(), st.lists(st.tuples(*[st.floats(-3, 8)] * 3), min_size=20, max_size=20))
 def test_a_network_is_linear_in_every_simplex_of_a_cell(tmp_path_factory, table, drawn):

@@ -125,6 +125,7 @@ def text_of(path):
     return "\n".join(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_the_program_inside_passes_in_the_interpreter(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)

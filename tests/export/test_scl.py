@@ -19,6 +19,7 @@ def compiled(name, *words):
     assert main(["compile", *CASES[name], *double, *words]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_the_self_test_passes_in_the_interpreter(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
@@ -35,6 +36,7 @@ def test_the_self_test_passes_in_the_interpreter(tmp_path, monkeypatch, name):
     assert not wrong.values["passed"], "a test that cannot fail"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_the_structured_text_in_another_dialect(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)

@@ -114,6 +114,7 @@ def test_c_drives_the_same_bits(tmp_path):
         np.testing.assert_array_equal(found, expected[name], name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", sorted({*LANGUAGES} & {*MODULES}))
 def test_modules_drive_the_same_bits(tmp_path, suffix):
     paths = []
@@ -126,6 +127,7 @@ def test_modules_drive_the_same_bits(tmp_path, suffix):
     assert failing(paths, tmp_path) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".st", ".scl"])
 @pytest.mark.parametrize("name", TEXTS)
 def test_blocks_drive_the_same_bits(tmp_path, name, suffix):

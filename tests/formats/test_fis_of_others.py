@@ -455,6 +455,7 @@ def anfis(terms: int) -> str:
     return f"{head}{inputs}{output}[Rules]\n{rules}"
 
 
+@pytest.mark.slow
 def test_a_large_anfis_file_is_read() -> None:
     rulebase = good(parse_fis(anfis(49)))
     assert len(rulebase.rules) == 2_401
@@ -473,6 +474,7 @@ def test_a_large_anfis_file_is_read() -> None:
     assert infer(rulebase, at)["out"] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_too_many_terms_are_one_finding() -> None:
     assert [d.name for d in parse_fis(anfis(75)).errors] == ["too-many"]
 

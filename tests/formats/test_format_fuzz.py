@@ -100,6 +100,7 @@ def test_absurd_files_are_refused(suffix: str, text: str) -> None:
     assert not check(text, suffix)
 
 
+@pytest.mark.slow
 def test_outputs_that_are_put_in_do_not_grow_without_end() -> None:
     head = (DATA / "chain.fll").read_text().partition("  rule:")[0]
     doubling = "  rule: if power is low and power is low then power is low\n"

@@ -174,6 +174,7 @@ def comes_back(rulebase: RuleBase, suffix: str, exported: Exported) -> RuleBase:
     return imported.rulebase
 
 
+@pytest.mark.slow
 @slow_draws
 @given(st.data())
 def test_fll_keeps_whatever_fuzzylite_can_say(data: st.DataObject) -> None:
@@ -183,6 +184,7 @@ def test_fll_keeps_whatever_fuzzylite_can_say(data: st.DataObject) -> None:
     assert same_numbers(rulebase, again, data.draw(input_points(rulebase, 3)))
 
 
+@pytest.mark.slow
 @slow_draws
 @given(st.data())
 def test_fcl_keeps_whatever_fuzzylite_can_say(data: st.DataObject) -> None:
@@ -193,6 +195,7 @@ def test_fcl_keeps_whatever_fuzzylite_can_say(data: st.DataObject) -> None:
     assert same_model(again, rulebase)
 
 
+@pytest.mark.slow
 @slow_draws
 @given(st.data(), st.sampled_from([("matlab", 101), ("octave", 101), ("fuzzylite", 1000)]))
 def test_fis_keeps_plain_mamdani_for_each_program(
@@ -228,6 +231,7 @@ def test_fis_keeps_plain_mamdani_for_each_program(
     assert same_numbers(rulebase, again, data.draw(input_points(rulebase, 3)))
 
 
+@pytest.mark.slow
 @slow_draws
 @given(st.data())
 def test_fml_keeps_plain_mamdani(data: st.DataObject) -> None:
@@ -301,6 +305,7 @@ def _low(variable: Output) -> Output:
     return replace(variable, terms=terms)
 
 
+@pytest.mark.slow
 @slow_draws
 @given(st.data())
 def test_fcl_keeps_plain_mamdani_for_jfuzzylogic(data: st.DataObject) -> None:
@@ -335,6 +340,7 @@ def _gentle(output: Output) -> Output:
     return replace(output, terms=tuple(map(slanted, output.terms)))
 
 
+@pytest.mark.slow
 @slow_draws
 @given(st.data(), st.sampled_from([".fll", ".fcl", ".fis", ".fml"]))
 def test_any_model_is_written_or_refused_and_what_is_written_is_read(

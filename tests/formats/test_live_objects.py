@@ -215,6 +215,7 @@ def test_the_numbers_are_those_of_the_library(name: str) -> None:
     assert fuzzyarm.parse(write(rulebase)).rulebase == rulebase
 
 
+@pytest.mark.slow
 def test_what_the_libraries_take_for_granted_is_written_out() -> None:
     read = {name: read_object(make(), name).rulebase for name, make in MAKERS.items()}
     texts = {name: write(rulebase) for name, rulebase in read.items() if rulebase is not None}

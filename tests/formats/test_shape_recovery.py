@@ -190,6 +190,7 @@ def test_a_level_stretch_is_not_a_flank_of_a_bell(ys):
 # --- Sets that are made of sets ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("norm", ["t:min", "t:bounded", "s:max", "s:bounded"])
 def test_straight_sets_make_straight_sets(norm: str) -> None:
     generator = np.random.default_rng(2)

@@ -115,6 +115,7 @@ def test_files_that_cannot_be_read_are_seen(tmp_path):
     assert "writes what cannot be read" in found[0] + found[1]
 
 
+@pytest.mark.slow
 def test_a_command_that_hangs_is_ended_and_the_next_one_runs(tmp_path):
     (tmp_path / "x.frb").write_text("rulebase x\n")
     with Worker(0.5) as worker:

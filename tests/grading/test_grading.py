@@ -69,6 +69,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.slow
 def test_broken_and_hostile_submissions_are_rows(fan, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     for name, data in HOSTILE.items():

@@ -107,6 +107,7 @@ def test_diff_compares_a_conversion_by_numbers(tmp_path, capsys):
     assert "u: apart by" in said or "u: no difference at" in said
 
 
+@pytest.mark.slow
 def test_rule_bases_of_many_inputs_are_compared():
     def many(value):
         lines = [

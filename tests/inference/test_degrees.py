@@ -110,6 +110,7 @@ def same(what: str, found: dict[str, np.ndarray], wanted: dict[str, np.ndarray])
         np.testing.assert_array_equal(there, value, err_msg=f"{what} {name}")
 
 
+@pytest.mark.slow
 def test_every_norm_and_hedge_gives_degrees_alike_in_every_engine(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

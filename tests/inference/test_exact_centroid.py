@@ -165,6 +165,7 @@ def fine_sum(output: OutputPlan, fired: list[tuple[int, float]], count: int) -> 
     return float((total * places).sum() / total.sum()) if total.max() > 1e-9 else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kinds", "implications", "share"),
     [
@@ -238,6 +239,7 @@ def test_many_overlapping_sets_fall_back_to_quadrature() -> None:
     )
 
 
+@pytest.mark.slow
 def test_fine_samples_approach_the_exact_value(pd7: RuleBase) -> None:
     output = dataclasses.replace(
         pd7.outputs[0], defuzzifier=Defuzzifier("centroid", 100_000, "midpoints")

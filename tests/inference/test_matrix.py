@@ -261,6 +261,7 @@ def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
         demand_same(case, found, truth(case, 60), close)
 
 
+@pytest.mark.slow
 def test_other_programs_get_a_file_or_findings() -> None:
     """No writer dies: what a program does not have is an error that says so."""
     for case in CASES:

@@ -159,6 +159,7 @@ WAYS = [("centroid exact", "max"), ("centroid exact", "sum"), ("centroid(41)", "
         ("bisector exact", "max")]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("norm", "either"), NORMS, ids=str)
 @pytest.mark.parametrize("cut", ["min", "product"])
 def test_norms_thresholds_and_edges_decide_alike(norm: str, either: str, cut: str) -> None:
@@ -283,6 +284,7 @@ def without_and_with(
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["centroid exact", "bisector exact", "centroid(31)"])
 @pytest.mark.parametrize("union", ["max", "probor"])
 def test_infer_does_not_show_which_engine_it_takes(
@@ -295,6 +297,7 @@ def test_infer_does_not_show_which_engine_it_takes(
     demand_same_bits(rulebase, columns, 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "formula", ["sqrt(x - 3) / 3", "sqrt((x - 3) * (x - 6)) / 6", "log(x - 8)"]
 )
@@ -311,6 +314,7 @@ def test_a_formula_has_the_degree_0_where_it_has_no_value(formula: str) -> None:
     np.testing.assert_allclose(*list(found.values())[:2], rtol=0.0, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["", "-left", "-right"])
 def test_ends_of_curved_interval_sets(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     text = CURVED.format(way=f"karnik-mendel{end} exact", union="max")

@@ -100,6 +100,7 @@ def demand_bits_of_points(rulebase: RuleBase, count: int = 200) -> None:
     assert any(ordinary)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("silent", ["0.5", "12", "nan", "hold"])
 def test_rules_read_outputs_of_earlier_blocks(silent: str) -> None:
     rulebase = read(CHAIN.format(silent=silent))
@@ -114,6 +115,7 @@ def test_rules_read_how_far_their_own_block_asserts(union: str) -> None:
     demand_bits_of_points(rulebase)
 
 
+@pytest.mark.slow
 def test_formulas_read_outputs() -> None:
     rulebase = read(FORMULAS)
     assert len(stages(rulebase)) == 2
@@ -127,6 +129,7 @@ def test_the_error_of_a_later_stage_names_the_inputs() -> None:
             compiled(rulebase)(point)
 
 
+@pytest.mark.slow
 def test_an_output_is_read_as_a_value_and_as_a_set() -> None:
     text = ASSERTED.format(union="max").replace("terms w", "output v 0 .. 1\nterms v, w")
     more = "rule if z is P then v is H\nblock last\nrule if z is N then v is L\n"

@@ -62,6 +62,7 @@ def test_many_mistakes_end_the_reading():
     assert parsed.diagnostics[-1].name == "too-many-mistakes"
 
 
+@pytest.mark.slow
 def test_as_many_lines_as_there_may_be():
     assert parse("# c\n" * 150_000).diagnostics[0].name != "file-too-large"
     (finding,) = parse("# c\n" * 150_001).diagnostics

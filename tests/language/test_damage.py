@@ -112,6 +112,7 @@ def test_there_are_at_least_two_thousand_ways():
     assert PER_FILE * len(FILES) >= cases(1000, 2000)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(50, 150), deadline=None)
 @given(st.text(max_size=300))
 def test_any_text_is_diagnosed_or_valid(text):

@@ -267,6 +267,7 @@ def test_several_findings_are_rendered_one_below_the_other():
     assert render_all(parse(text).diagnostics, text).count("\n       |") == 2
 
 
+@pytest.mark.slow
 def test_absurd_input_is_refused_with_a_reason():
     assert names_of("x" * (MAX_CHARACTERS + 1)) == ["file-too-large"]
     assert names_of(HEAD + "# " + "x" * MAX_LINE) == ["line-too-long"]

@@ -21,6 +21,7 @@ from fuzzyarm.language.model.rulebase import And, RuleBase
 from fuzzyarm.language.tokens import name_text
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(10, 50), deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_what_is_written_reads_back_to_the_same_model(rulebase):
@@ -40,6 +41,7 @@ def test_formatting_changes_no_meaning_and_settles_at_once(rulebase):
     assert parse(formatted).rulebase == rulebase
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(20, 100), deadline=None)
 @given(plain_mamdani(), st.randoms(use_true_random=False))
 def test_spacing_means_nothing(rulebase, random):
@@ -52,6 +54,7 @@ def test_spacing_means_nothing(rulebase, random):
     assert format_text(loose) == text
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(15, 60), deadline=None)
 @given(plain_mamdani())
 def test_checks_never_fail_on_a_sound_model(rulebase):
@@ -76,6 +79,7 @@ def test_every_name_reads_back(name):
         assert is_plain_name(name)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(10, 40), deadline=None)
 @given(rulebases(), st.sampled_from(["clamp", "extend", "error"]))
 def test_settings_that_all_variables_share_are_one_line(rulebase, outside):
@@ -125,6 +129,7 @@ def long_texts():
     yield f"{heads}terms e: triangles {name} Q\n{grid}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", list(long_texts()), ids=["statements", "names"])
 def test_what_is_written_of_long_statements_is_read(text):
     before = parse(text)
@@ -197,6 +202,7 @@ def renamed(draw):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".frb", ".fis", ".fll", ".fcl"])
 def test_what_is_converted_of_odd_names_is_read(suffix, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

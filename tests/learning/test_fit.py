@@ -75,6 +75,7 @@ def test_the_series_of_frbs():
     assert len(few.rulebase.rules) == 4
 
 
+@pytest.mark.slow
 @needs_data
 def test_the_gas_furnace_and_what_cross_validation_says_of_it():
     train, later = shared("gas_furnace.csv", 204)
@@ -108,6 +109,7 @@ def bumps(count=60, seed=0):
     return as_samples(x, np.where(x[:, 0] > 5.0, x[:, 1], 10.0 - x[:, 1]), ("a", "b"))
 
 
+@pytest.mark.slow
 def test_samples_of_a_line_give_a_line():
     x = np.random.default_rng(0).uniform(-3.0, 3.0, (40, 2))
     made = fit(as_samples(x, 2.0 * x[:, 0] - x[:, 1] + 0.5))
@@ -137,6 +139,7 @@ def test_every_method_writes_a_sound_text(options):
     assert made.error <= 1.02 * max(made.error_of_numbers, 1e-4 * 5.0)
 
 
+@pytest.mark.slow
 def test_comments_say_what_the_rules_rest_on():
     made = fit(bumps(), Options(terms=(2, 1)))
     assert "% of the samples, error" in made.text
@@ -190,6 +193,7 @@ def test_inputs_that_do_not_vary_or_depend_on_each_other():
     assert np.allclose(outputs_of(same.rulebase, as_samples(inputs, np.zeros(60))), 3.0, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_large_and_small_units_change_nothing():
     samples = bumps()
     options = Options(terms=(2, 2), nested=False)
@@ -241,6 +245,7 @@ def test_judging_in_one_go_is_judging_by_refitting():
 # --- Judged by samples that have decided nothing ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("series", [False, True])
 @pytest.mark.parametrize(
     "given", [{"rules": 4}, {"method": "wang-mendel", "words": (2, 4)}], ids=["grid", "words"]
@@ -357,6 +362,7 @@ def test_few_samples_do_not_determine_the_conclusions(tmp_path, capsys):
     assert "3 samples cannot determine the 18 coefficients" in printed
 
 
+@pytest.mark.slow
 def test_classes_have_an_output_each():
     draw = np.random.default_rng(2)
     inputs = np.concatenate([draw.normal(m, 0.3, (30, 2)) for m in (0.0, 2.0, 4.0)])
@@ -383,6 +389,7 @@ def table(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_fit_and_validate(table, tmp_path, capsys):
     model = tmp_path / "m.frb"
     words = ["fit", str(table), "-o", str(model), "--terms", "2,1", "--test", str(table), "--json"]

@@ -73,6 +73,7 @@ def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypa
         assert frames.n_frames == 3
 
 
+@pytest.mark.slow
 def test_a_figure_of_a_training_hatches_what_was_never_used():
     from fuzzyarm.apps.show.figures.learning import LearningHistory, learning_figure
     from fuzzyarm.control.controllers import controller
@@ -115,6 +116,7 @@ def test_learn_as_json_agrees_with_itself_and_with_the_file(capsys, tmp_path):
     assert origin["passes"] == "2"
 
 
+@pytest.mark.slow
 def test_a_learned_table_is_put_to_work_and_compared(capsys, tmp_path):
     file = tmp_path / "learned.lut"
     words = ["--start", "table", "--performance", "procyk-mamdani", "--rate", "0.1"]
@@ -135,6 +137,7 @@ def test_a_learned_table_is_put_to_work_and_compared(capsys, tmp_path):
     assert "when joint = 2" in out
 
 
+@pytest.mark.slow
 def test_the_table_of_one_joint(capsys, tmp_path):
     files = [tmp_path / "one.csv", tmp_path / "two.lut"]
     for joint, file in enumerate(files, start=1):

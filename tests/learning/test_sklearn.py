@@ -57,6 +57,7 @@ def test_names_of_a_frame_are_names_of_inputs():
     assert [each.name for each in model.rulebase_.inputs] == ["temperature", "y (input)"]
 
 
+@pytest.mark.slow
 def test_pipeline_and_grid_search_and_classes():
     from sklearn.datasets import load_iris
     from sklearn.model_selection import GridSearchCV, cross_val_score

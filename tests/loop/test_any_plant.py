@@ -646,6 +646,7 @@ def test_what_a_start_draws_is_drawn_for_each_run():
     assert runs[0] == runs[2] != runs[1]
 
 
+@pytest.mark.slow
 def test_a_phase_portrait_begins_a_plant_before_it_moves_it():
     class Started(Plain):
         def start(self, rng):

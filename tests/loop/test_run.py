@@ -79,6 +79,7 @@ def straight_loop(segments, kp, kd, ki, whole_run):
     return np.array(errors)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "ki", "whole"), [("pd", 0, False), ("pid", 0.25, True), ("pid-modified", 50, False)]
 )
@@ -180,6 +181,7 @@ def test_single_precision_keeps_the_state_single():
     assert not (double.torques == double.torques.astype(np.float32)).all()
 
 
+@pytest.mark.slow
 def test_torque_limits_bind_only_when_given():
     path = reach((90.0, -90.0), 0.2)
     free = simulate(controller("cdid"), path, options=INTERPRETED)
@@ -191,6 +193,7 @@ def test_torque_limits_bind_only_when_given():
     assert (np.abs(bound.torques).max(axis=0) == [55.44, 48.51]).all()
 
 
+@pytest.mark.slow
 def test_disturbance_is_repeatable_and_small():
     path = reach((30.0, -30.0), 0.2)
     options = [Options(compiled=False, disturbance=1e-7, seed=seed) for seed in (1, 1, 2)]

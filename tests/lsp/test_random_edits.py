@@ -38,6 +38,7 @@ def test_random_edits_of_the_document_model(part: int) -> None:
     assert sound > STEPS // 2 // 500
 
 
+@pytest.mark.slow
 def test_tables_survive_edits_too() -> None:
     from fuzzyarm.apps.lsp.tables import TableText
     from fuzzyarm.table import parse_lut

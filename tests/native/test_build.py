@@ -90,6 +90,7 @@ def test_a_named_compiler_comes_first(monkeypatch):
     assert find_compiler().words == (sys.executable, "-q")
 
 
+@pytest.mark.slow
 def test_a_compiler_that_fails_says_what_it_said(tmp_path):
     words = (sys.executable, "-c", "import sys; sys.exit('no such flag')")
     compiler = Compiler(words, "x", "linux")
@@ -98,6 +99,7 @@ def test_a_compiler_that_fails_says_what_it_said(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_compiler_that_is_not_there(tmp_path):
     with pytest.raises(BuildError, match="could not be started"):
         build(tmp_path, Compiler(("no-such-compiler",), "x86_64", "linux"))

@@ -215,6 +215,7 @@ def test_the_delay_margin_is_what_a_dead_time_leaves_and_runs_confirm_it(delay):
     assert ends[0] < 1.0 < ends[1]
 
 
+@pytest.mark.slow
 def test_whole_periods_are_states_of_a_proof_and_fractions_are_refused():
     plant = with_actuators(find_plant("motor"), {}, {"voltage": 0.002})
     servo = load_controller(shipped("servo.frb"))

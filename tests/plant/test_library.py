@@ -120,6 +120,7 @@ def test_a_ball_on_a_beam_at_rest_keeps_its_energy():
     assert after[0] == pytest.approx(-0.2 + 0.3 * 0.7 + 0.5 * fall * 0.49, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_room_keeps_its_heat_and_ends_where_the_resistances_say():
     plant = find_plant("room")
     power, air, wall, inner, outer, leak, outside, _ = numbers(plant)

@@ -66,6 +66,7 @@ def test_the_arm_of_mujoco_runs_as_our_own(law: str) -> None:
         np.testing.assert_allclose(theirs.outputs[name], angles, atol=bound, rtol=0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "gains", "seconds"),
     [
@@ -132,6 +133,7 @@ def test_puma_has_the_published_gravity_and_inertia() -> None:
     np.testing.assert_allclose(np.array(columns).T, published, atol=5.1e-5)
 
 
+@pytest.mark.slow
 def test_computed_torque_with_an_exact_model_tracks_to_the_error_of_the_integrator() -> None:
     plant = find_plant(PUMA)
     rest = plant.trajectories["reach"].keywords["start"]  # type: ignore[attr-defined, union-attr]
@@ -191,6 +193,7 @@ def test_copies_and_other_processes_have_the_parameters() -> None:
             np.testing.assert_array_equal(values, two.outputs[name])
 
 
+@pytest.mark.slow
 def test_a_file_without_actuators_is_driven_at_its_joints(tmp_path: Path) -> None:
     plant = find_plant(robot(tmp_path))
     assert list(plant.inputs) == ["hip.torque", "knee.torque"]
@@ -323,6 +326,7 @@ def test_robots_of_menagerie_have_its_names(
     monkeypatch.delitem(sys.modules, "mujoco_menagerie")
 
 
+@pytest.mark.slow
 def test_a_run_leaves_no_sum_behind() -> None:
     plant, law = find_plant(ARM), find_controller("ffid+ie").with_gains({"whole_run": [1.0]})
     loop = ClosedLoop(law, trajectory_motion(plant, reach_return((20.0, 10.0), 0.3, 0.1), law))

@@ -58,6 +58,7 @@ def test_time_accumulates_while_it_does_not_exceed_the_duration(duration, single
     assert (points.segment == 0).sum() == count
 
 
+@pytest.mark.slow
 def test_long_single_precision_segments_are_not_cut_short():
     points = sample(reach(segment=600.0, hold=0.01), STUDY_CONVENTIONAL)
     first = points.segment == 0

@@ -29,6 +29,7 @@ def pyodide(tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_the_folder_has_all_that_the_page_asks_for(tmp_path, pyodide):
     made = write_playground(
         tmp_path / "site", pyodide=pyodide, kernels=lambda: b"wasm", memory=lambda _parts: b"all"
@@ -56,6 +57,7 @@ def test_the_folder_has_all_that_the_page_asks_for(tmp_path, pyodide):
     assert set(listed) == files - {"offline.js"} | {"./"}
 
 
+@pytest.mark.slow
 def test_the_same_sources_make_the_same_folder(tmp_path, pyodide):
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
@@ -92,6 +94,7 @@ def test_files_of_ones_own_are_what_a_visitor_finds(tmp_path, pyodide, capsys, m
     assert page.count("</script>") == 2
 
 
+@pytest.mark.slow
 def test_the_compiler_is_asked_for_and_installed(tmp_path, pyodide, capsys, monkeypatch):
     words = ["playground", "-o", str(tmp_path / "site"), "--pyodide", str(pyodide)]
     installed, asked = [], []
@@ -191,6 +194,7 @@ def test_without_node_a_page_starts_its_own_python(node, tmp_path, pyodide, caps
     assert not (tmp_path / "s/python/memory.bin").exists()
 
 
+@pytest.mark.slow
 def test_a_page_that_could_not_load_fuzzyarm_is_not_written(tmp_path, pyodide, capsys, monkeypatch):
     monkeypatch.setattr(written, "APART", written.APART | {"apps/designer/jobs.py"})
     assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
@@ -199,6 +203,7 @@ def test_a_page_that_could_not_load_fuzzyarm_is_not_written(tmp_path, pyodide, c
     assert not (tmp_path / "s").exists()
 
 
+@pytest.mark.slow
 def test_why_node_fails_is_said_by_its_error(tmp_path, pyodide, capsys, monkeypatch):
     node = tmp_path / "node"
     lines = ["file:///x/start.js:1", "const memory = 3", "RangeError: no memory", "Node.js v20"]
@@ -233,6 +238,7 @@ def imported_at_once(tree: ast.Module) -> Iterator[str]:
             yield from (each.name for each in node.names)
 
 
+@pytest.mark.slow
 def test_what_the_page_imports_of_fuzzyarm_is_in_its_archive() -> None:
     with zipfile.ZipFile(io.BytesIO(archive())) as file:
         texts = {name: file.read(name) for name in file.namelist() if name.endswith(".py")}

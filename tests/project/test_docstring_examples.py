@@ -36,6 +36,7 @@ def test_there_are_examples():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODULES)
 def test_examples_say_what_comes_out(name, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)

@@ -169,6 +169,7 @@ def circles(graph):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("late", "types"), [(False, False), (True, False), (True, True)],
     ids=["at import time", "in functions too", "for types too"],
@@ -323,6 +324,7 @@ ABOVE = [
 ]
 
 
+@pytest.mark.slow
 def test_only_named_modules_know_the_arm():
     """What the arm has and other plants lack a plant says of itself: any may have it."""
     found = {str(path.relative_to(SOURCE)): [*named_of_the_arm(path)] for path in ABOVE}

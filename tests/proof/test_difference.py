@@ -90,6 +90,7 @@ def test_random_rule_bases_are_apart_by_what_is_proved(seed: int, inputs: int) -
     require_sound(one, varied(one, draw), draw)
 
 
+@pytest.mark.slow
 def test_most_random_rule_bases_have_such_a_proof() -> None:
     proved = 0
     for seed in range(12):
@@ -146,6 +147,7 @@ def test_inputs_in_another_order_are_only_searched() -> None:
     assert found.proved is None
 
 
+@pytest.mark.slow
 def test_the_command_rounds_what_is_proved_away_from_zero(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

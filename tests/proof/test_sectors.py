@@ -69,6 +69,7 @@ def controller(folder: Path, lines: str, head: str = "") -> ControllerText:
 # ── rule bases ───────────────────────────────────────────────────────────────────────
 
 
+@pytest.mark.slow
 def test_sectors_of_pd7(pd7: RuleBase) -> None:
     prover = Prover(pd7, "u")
     along = sector(prover, {"e": 1})
@@ -172,6 +173,7 @@ def steps(text: ControllerText, names: dict[str, np.ndarray], drive: str = "volt
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_the_kernel_stays_in_what_is_proved(servo: ControllerText, voltage: DriveProof) -> None:
     draw = np.random.default_rng(0)
     for each in voltage.sectors:
@@ -251,6 +253,7 @@ def test_tables_along_one_input(tmp_path: Path) -> None:
         assert along.high - 1e-2 < (values / error).max() <= along.high
 
 
+@pytest.mark.slow
 def test_what_is_not_proved_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fuzzyarm.proof.map.walk.BOXES_SECONDS", 0.1)
     words = {
@@ -273,6 +276,7 @@ def test_without_time_the_range_of_the_output_is_left(servo: ControllerText) -> 
     assert drive.sectors == ()
 
 
+@pytest.mark.slow
 def test_pictures_show_what_is_proved(
     pd7: RuleBase, servo: ControllerText, voltage: DriveProof
 ) -> None:
@@ -289,6 +293,7 @@ def test_pictures_show_what_is_proved(
     assert len(chart_figure(sector_chart(pictures[:2])).axes) == 2
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rules = str(fuzzyarm.shipped("pd7.frb"))
     assert main(["prove", rules, "--sector", "--along", "e=1,ce=2", "--json"]) == 4
@@ -437,6 +442,7 @@ def test_the_weights_of_a_sum_read_back(weight: float | Fraction) -> None:
     assert (read if sign == "+" else -read) == Fraction(weight)
 
 
+@pytest.mark.slow
 def test_a_sector_of_a_drive_is_told_of_no_more_than_it_holds_on() -> None:
     (drive,) = prove_drives(fuzzyarm.load_controller(fuzzyarm.shipped("servo.frb")))
     told = "\n".join(drive_lines("servo.frb", drive, ["voltage"], sectors_only=True))

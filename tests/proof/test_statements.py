@@ -261,6 +261,7 @@ def test_completion_and_hover() -> None:
     assert "refuted" in told.markdown
 
 
+@pytest.mark.slow
 def test_where_a_property_fails_is_marked_and_pasted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -310,6 +311,7 @@ def test_check_proves_what_is_quick(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "expect e = " in review.diagnostics[0].message
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
     import pathlib
 
@@ -398,6 +400,7 @@ prove table nearest within 1
 """
 
 
+@pytest.mark.slow
 def test_what_is_known_of_sets_is_found_once_and_in_the_time_there_is(monkeypatch):
     from fuzzyarm.proof.map import memberships
 

@@ -106,6 +106,7 @@ def rebuilt(rulebase):
     return made
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(8, 25))
 @given(rulebases(odd_names=True, decorated=True))
 def test_every_rule_base_can_be_written_with_it(rulebase):

@@ -200,6 +200,7 @@ def test_a_rule_base_that_is_being_written_is_tuned_as_its_value_is():
 # --- Figures ---
 
 
+@pytest.mark.slow
 def test_whatever_has_a_picture_has_plot(plain, tmp_path):
     from matplotlib.figure import Figure
 

@@ -72,6 +72,7 @@ def _fit(rulebase):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_value_is_one_line(values):
     for name, value in values.items():
         line = repr(value)
@@ -166,6 +167,7 @@ HOSTILE = [
 ]
 
 
+@pytest.mark.slow
 def test_hostile_names_are_only_text():
     made = RuleBaseBuilder(HOSTILE[0], HOSTILE[1])
     made.input(HOSTILE[1], 0, 1, HOSTILE[2], terms=HOSTILE)

@@ -133,6 +133,7 @@ def test_figures_are_drawn_of_all_kinds():
         assert whole.get_figheight() > small.get_figheight() + 3.0
 
 
+@pytest.mark.slow
 def test_plot_of_a_controller(tmp_path, capsys):
     for words in ([], ["--what", "diagram"]):
         path = tmp_path / f"{len(words)}.svg"

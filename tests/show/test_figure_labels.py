@@ -100,6 +100,7 @@ def test_no_two_texts_of_a_figure_overlap(make):
     assert faults(make()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["slide7.frb", "thesis-6.1.lut"])
 def test_no_two_texts_of_the_figures_of_a_shipped_file_overlap(name):
     for figure in pictures(sheet(name)):

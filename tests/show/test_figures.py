@@ -104,6 +104,7 @@ def test_the_picture_of_an_inference_shows_its_value(lopsided):
     assert named == [each.term for each in trace.outputs[0].consequents]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
 )
@@ -122,6 +123,7 @@ def test_unknown_figure_formats_are_refused(tmp_path, lopsided):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_names_with_dollars_are_no_mathematics(tmp_path, lopsided_text):
     from fuzzyarm.language import parse
 
@@ -163,6 +165,7 @@ rule if a is high and b is all then {name} is much
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["u", "out", "duty", "power", "heating"])
 def test_the_vertical_label_of_a_surface_is_within_the_figure(tmp_path, name):
     figure = surface_figure(parse(PLATEAU.format(name=name)).rulebase)

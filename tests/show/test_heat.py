@@ -58,6 +58,7 @@ def test_thirteen_columns_of_minus_five_point_six_fit_80_columns():
     assert max(map(len, text.splitlines())) <= 80
 
 
+@pytest.mark.slow
 def test_large_tables_are_thinned_out_and_say_so():
     levels = tuple(range(201))
     values = np.add.outer(1000 * np.arange(201), np.arange(201))

@@ -47,6 +47,7 @@ def test_simulate_prints_the_contract(capsys):
     assert result["diverged"] is None
 
 
+@pytest.mark.slow
 def test_simulate_with_the_study_values(capsys):
     _, out, _ = run(capsys, "simulate", "pd", "--conventions", "study", "--payload", "--json")
     result = json.loads(out)
@@ -71,6 +72,7 @@ def test_precision_overrules_the_conventions(capsys):
     assert json.loads(out)["precision"] == "float64"
 
 
+@pytest.mark.slow
 def test_load_changes_the_result_and_no_payload_is_the_default(capsys):
     results = [
         json.loads(run(capsys, "simulate", "pd", *FAST, *words, "--json")[1])["rms"]
@@ -80,6 +82,7 @@ def test_load_changes_the_result_and_no_payload_is_the_default(capsys):
     assert results[0] != results[2] == results[3]
 
 
+@pytest.mark.slow
 def test_simulate_as_text_and_plot(capsys, tmp_path):
     figure = tmp_path / "errors.png"
     status, out, _ = run(capsys, "simulate", "pd", *FAST, "--plot", str(figure))
@@ -164,6 +167,7 @@ def test_wrong_usage(capsys, words):
     assert run(capsys, "simulate", *words)[0] == 2
 
 
+@pytest.mark.slow
 def test_own_controller_runs_with_the_same_command(capsys, tmp_path, monkeypatch):
     file = tmp_path / "mine.py"
     file.write_text(
@@ -238,6 +242,7 @@ def duration(capsys, *words):
     return 0.003 * json.loads(out)["samples"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "moves"), [("reach", 1), ("reach-return", 2)])
 def test_the_hold_is_5_s_unless_it_is_given(capsys, name, moves):
     words = ["--trajectory", name]

@@ -73,6 +73,7 @@ def test_counting_changes_no_result():
         np.testing.assert_array_equal(plain.error_matrix, counted.error_matrix)
 
 
+@pytest.mark.slow
 def test_rules_cost_more_than_a_line_and_two_rule_bases_twice_one():
     totals = {
         name: count_operations(controller(name), SHORT).total
@@ -296,6 +297,7 @@ def test_the_study_asks_for_less_than_its_motors_give():
 # --- The command ---
 
 
+@pytest.mark.slow
 def test_compare_prints_a_line_for_each(capsys, tmp_path):
     figure = tmp_path / "cost.png"
     words = ["compare", "pd", "pd-motor", "dac", "--interpolate"]

@@ -363,6 +363,7 @@ def test_a_large_table_has_the_values_of_a_small_one(pd7):
     assert np.abs(table.values[::7, ::7] - there).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_a_table_of_many_inputs_is_compared_at_points_that_are_drawn():
     # Three points along each of 16 inputs would be 43 million, with 65,536 corners each.
     names = [f"x{i}" for i in range(16)]

@@ -82,6 +82,7 @@ def test_cost_never_rises_and_bounds_hold(given):
         assert own == file
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(6, 60))
 @given(searches, st.integers(0, 30), st.integers(1, 4), st.booleans())
 def test_a_pause_and_workers_change_nothing(given, cut, workers, torn):
@@ -99,6 +100,7 @@ def test_a_pause_and_workers_change_nothing(given, cut, workers, torn):
     assert (again.candidate, again.text) == (whole.candidate, whole.text)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(6, 60))
 @given(st.integers(0, 2**40), st.integers(2, 30), st.sampled_from(sorted(OPTIMISERS)))
 def test_terms_keep_their_order_and_what_is_promised(seed, evals, method):

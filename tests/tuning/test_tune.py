@@ -216,6 +216,7 @@ def _expected(rulebase, e, off=0.0):
     return (Expectation((("e", e), ("ce", 0.0)), (Outcome("u", "=", value, 0.02),)),)
 
 
+@pytest.mark.slow
 def test_proved_properties_hold_afterwards(moved):
     pd7, _, samples = moved
     text = fuzzyarm.write(pd7) + "prove u odd\nprove u in -5.4 .. 5.4\n"
