@@ -51,7 +51,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--quick",
         action="store_true",
-        help="leave out what takes over a second, a browser, a compiler, a process or the pages",
+        help="leave out what takes over 0.4 s, a browser, a compiler, a process or the pages",
     )
     parser.addoption("--write-skipped", metavar="FILE", help="list the tests that were skipped")
     parser.addoption("--run-skipped", metavar="FILE", help="run only the tests of such a list")

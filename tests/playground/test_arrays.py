@@ -284,6 +284,25 @@ print(json.dumps(found))
 )
 
 
+REFERENCES = (
+    WITHOUT_NUMPY
+    + """
+import numpy as np
+from fuzzyarm.control.loop.reference import read_signal
+times = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0, 2.0])
+signals = ("step:1,0.1", "ramp:0.5,0.1,0.2", "sine:1,0.5,0.1", "quintic:1,0.5,0.2,0.4,0.3")
+print(json.dumps([[list(map(float, x)) for x in read_signal(s).at(times)] for s in signals]))
+"""
+)
+
+
+@pytest.mark.slow
+def test_references_are_the_same_without_numpy():
+    with_numpy, without = with_and_without(REFERENCES)
+    assert with_numpy == without
+    assert [len(set(values[0])) > 1 for values in with_numpy] == [True] * 4
+
+
 @pytest.mark.slow
 def test_the_surface_of_a_busy_page_is_the_same_without_numpy():
     with_numpy, without = with_and_without(SURFACE)

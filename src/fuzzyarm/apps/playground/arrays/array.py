@@ -121,6 +121,9 @@ class ndarray:
         """Bytes of an element."""
         return self.dtype.itemsize
 
+    def __array__(self) -> ndarray:  # by which functions over numbers and arrays know one
+        return self
+
     @property
     def nbytes(self) -> int:
         """Bytes of all."""
