@@ -48,6 +48,7 @@ EQUATIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EQUATIONS)
 @pytest.mark.parametrize("length", [0.02, 0.2])
 def test_a_step_holds_the_solutions_at_its_end_and_on_the_way(name, length):

@@ -217,6 +217,7 @@ def late_run(plant, gains, dead_time, periods=6000):
     return max(sizes[periods // 2 - 500 : periods // 2]), max(sizes[-500:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("plant", "kind", "gains"),
     [
@@ -234,6 +235,7 @@ def test_a_run_decays_just_before_the_delay_margin_and_grows_just_beyond(plant, 
         assert (end > middle) == grows
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.35, 0.6, 0.8, 0.97])
 @pytest.mark.parametrize(("plant", "kind", "late"), [loop for loop in LOOPS if not loop[2]])
 def test_a_dead_time_that_is_there_is_taken_from_the_margin(plant, kind, late, share):

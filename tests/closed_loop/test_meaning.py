@@ -469,6 +469,7 @@ NEIGHBOURS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by_program", [False, True])
 @pytest.mark.parametrize(("line", "use", "file", "module"), NEIGHBOURS)
 def test_a_helper_that_python_changed_is_said_and_bound(

@@ -179,6 +179,7 @@ def of_command(folder, monkeypatch, *words):
     return {each.name: each.read_bytes() for each in made.iterdir()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("suffix", "options", "words"), OF_RULES)
 def test_an_export_is_the_file_of_the_command(folder, monkeypatch, suffix, options, words):
     found = exported(folder / "pd7.frb", suffix, options)

@@ -177,6 +177,7 @@ HUGE = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "messages"),
     [

@@ -153,6 +153,7 @@ def at_steps(path, inputs, outputs, points, **options):
     return np.array([[row[name] for name in outputs] for row in found])[1:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["2", "3"])
 @pytest.mark.parametrize("name", ["pd7", "tipper", "fan"])
 def test_a_unit_of_rules_is_valid_and_infers_the_same_bits(tmp_path, name, version):

@@ -200,6 +200,7 @@ def test_a_wrong_norm_is_said_once() -> None:
 # --- Texts whose reading took the square of their length ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("read", "piece"),
     [
