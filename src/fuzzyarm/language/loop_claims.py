@@ -144,16 +144,19 @@ def _read_ends(cursor: Cursor) -> tuple[Figure, Figure]:
 
 def _read_step(cursor: Cursor) -> tuple[Figure | Time, ...]:
     start, to = _read_ends(cursor)
-    cursor.expect("at", "before the time of the step")
-    return to, read_time(cursor, "when it steps", 1.0), start
+    return to, _read_moment(cursor, "step", "when it steps"), start
 
 
 def _read_ramp(cursor: Cursor) -> tuple[Figure | Time, ...]:
     start = cursor.figure("the value before")
     cursor.expect("by", "before the rate of the ramp")
     rate = cursor.figure("the rate, in the unit of the port per second")
-    cursor.expect("at", "before the time of the ramp")
-    return rate, read_time(cursor, "when it begins", 1.0), start
+    return rate, _read_moment(cursor, "ramp", "when it begins"), start
+
+
+def _read_moment(cursor: Cursor, kind: str, what: str) -> Time:
+    cursor.expect("at", f"before the time of the {kind}")
+    return read_time(cursor, what, 1.0)
 
 
 def _read_sine(cursor: Cursor) -> tuple[Figure | Time, ...]:

@@ -35,8 +35,8 @@ class Module(NamedTuple):
     frame : str
         The file: ``<name>`` (the stem of its path), ``<identifier>`` (made of that),
         ``<constants>``, ``<helpers>``, ``<parts>``, ``<more>`` and ``<test>``, which sets
-        ``failed``. Names that it declares itself are reserved
-        words of its language, but not ``failed``.
+        ``failed``. Names that it declares itself are reserved words of its language, but not
+        ``failed``.
     controller : str
         A class: ``<fields>``, ``<starts>``, ``<parameters>``, ``<returned>`` and ``<step>``.
     own : str

@@ -187,12 +187,16 @@ class LoopProblem:
             return 0.0
         return self.signals[address].stations[-1][1] if self.signals[address].stations else math.nan
 
+    def signal_of(self, output: Address) -> Signal:
+        """Return the reference of an output: 0 where nothing is said of it."""
+        return self.signals.get(output, Signal("step", (0.0,)))
+
     @property
     def signals_by_name(self) -> dict[str, Signal]:
         """References of all outputs that have one of their own, as for ``simulate``."""
         interface = self.site.interface
         return {
-            interface.label(address): self.signals.get(address, Signal("step", (0.0,)))
+            interface.label(address): self.signal_of(address)
             for address in interface.outputs
             if not interface.references[address].order
         }

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.control.loop.course import Options
-from fuzzyarm.control.loop.reference import Signal
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.language.model.claims import LoopClaim
@@ -324,8 +323,7 @@ def values_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
     values = {**run.outputs, **run.drives}
     for address in problem.errors:
         of, order = references[address].of, references[address].order
-        signal = problem.signals.get(of, Signal("step", (0.0,)))
-        wanted = signal.at(np.asarray(run.time, float))[order]
+        wanted = problem.signal_of(of).at(np.asarray(run.time, float))[order]
         values[error_label(label(address))] = wanted - run.outputs[label(address)]
     return values
 
