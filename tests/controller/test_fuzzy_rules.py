@@ -39,7 +39,7 @@ def evaluated(rulebase, points, *, compiled=False, bindings=None):
 @pytest.mark.parametrize("compiled", [False, True])
 def test_what_is_made_for_grids_has_the_bits_of_what_is_made_for_all(compiled):
     rulebase = load_rulebase(shipped("pd7.frb"))
-    assert inference_kernel.is_grid(rule_block(rulebase, compiled=compiled).numbers)
+    assert inference_kernel.bindings_for(rule_block(rulebase, compiled=compiled).numbers)
     points = np.random.default_rng(3).uniform(-7, 7, (40, 2))
     other = evaluated(rulebase, points, compiled=compiled, bindings=inference_kernel.GRID)
     assert evaluated(rulebase, points, compiled=compiled) == other
@@ -47,7 +47,7 @@ def test_what_is_made_for_grids_has_the_bits_of_what_is_made_for_all(compiled):
 
 @pytest.mark.parametrize("name", ["pd7-study", "tipper"])
 def test_what_is_not_such_a_grid_is_not_taken_for_one(name):
-    assert not inference_kernel.is_grid(
+    assert not inference_kernel.bindings_for(
         rule_block(load_rulebase(shipped(f"{name}.frb")), compiled=False).numbers
     )
 

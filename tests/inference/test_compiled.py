@@ -6,7 +6,9 @@ import dataclasses
 import gc
 import math
 import weakref
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import (
+    Compiled,
     InferenceError,
     NoRuleFiredError,
     compiled,
@@ -663,6 +666,40 @@ rule if a is L then y is K
     assert rulebase is not None
     at = compiled(rulebase).at
     assert at(0.3) == compiled(rulebase).at(0.3)
+
+
+@pytest.mark.parametrize("interpreted", [False, True])
+@pytest.mark.parametrize("e", [0.3, 0.5, 7, "0.3", math.nan, [0.1, 0.5]])
+def test_a_call_by_position_or_by_name_or_in_one_is_the_same(
+    gap: RuleBase, interpreted: bool, e: Any
+) -> None:
+    fast = Compiled(gap, interpreted=interpreted)
+    found = [outcome_of(fast, *given, **named) for given, named in (((e,), {}), ((), {"e": e}))]
+    found += [outcome_of(fast, {"e": e}), outcome_of(infer, gap, e=e)]
+    assert all(str(each) == str(found[0]) for each in found)
+
+
+def outcome_of(function: Callable[..., Any], *given: Any, **named: Any) -> Any:
+    """Return a result, or the error."""
+    try:
+        return function(*given, **named)
+    except (InferenceError, NoRuleFiredError) as error:
+        return error
+
+
+@pytest.fixture
+def gap() -> RuleBase:
+    text = """rulebase gap
+input e 0 .. 1
+output y 0 .. 1
+term e L: triangle 0 0.2 0.4
+term y ON: singleton 0.7
+inference defuzzifier weighted-average, no-rule error
+rule if e is L then y is ON
+"""
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    return rulebase
 
 
 def test_an_output_without_a_value_leaves_others_theirs_over_arrays() -> None:

@@ -337,9 +337,8 @@ def test_comments_stay():
 
 
 def test_functions_take_a_builder_as_they_take_its_value(fan):
-    for function in (fuzzyarm.infer, fuzzyarm.explain, fuzzyarm.compiled(fan).__call__):
-        given = () if function.__name__ == "__call__" else (fan,)
-        function(*given, temp=20)
+    assert fuzzyarm.compiled(fan)(temp=20) == fuzzyarm.infer(fan, temp=20)
+    assert fuzzyarm.explain(fan, temp=20)
     assert fuzzyarm.write(fan) == write(fan.model)
     assert fuzzyarm.compile_table(fan, levels=3) == fan.table(levels=3)
     assert fuzzyarm.prove(fan, "speed covered").proved

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import ref
 
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.inputs import bring_into_range, check_names, floats_of, holds_arrays
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.prepared import remembered
-from fuzzyarm.inference.stage import ByName, Stage
+from fuzzyarm.inference.stage import PointFunctions, Stage
 from fuzzyarm.inference.stages import stages
 from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.symbolic.kernels import has_machine_code
@@ -41,6 +42,11 @@ class Outcome(NamedTuple):
 class Compiled:
     """A rule base ready to be evaluated fast; call it like :func:`fuzzyarm.infer`.
 
+    A call takes the inputs in their order, or by name: floats, arrays that broadcast against each
+    other, Series, DataArrays, or all of them in one mapping, DataFrame or Dataset; and `held`, the
+    last values of outputs that hold where no rule fires. Results and errors are those of
+    :func:`fuzzyarm.infer`.
+
     Parameters
     ----------
     rulebase : RuleBase
@@ -63,13 +69,23 @@ class Compiled:
         For a rule base that cannot be evaluated.
     """
 
+    # Python finds the call on the instance: at a point it is machine code, without a frame.
+    __slots__ = ("__call__", "__dict__", "__weakref__")
+
+    if TYPE_CHECKING:
+
+        def __call__(
+            self, *values: Any, held: Mapping[str, float] | None = None, **named: Any
+        ) -> Any:
+            """Evaluate the rule base; see the class."""
+
     def __init__(self, rulebase: RuleBase, *, interpreted: bool = False) -> None:
         self.rulebase = rulebase
         self._interpreted = interpreted
         self._inputs = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
         try:
-            otherwise = partial(_at_otherwise, rulebase)
+            otherwise = partial(_otherwise, ref(self), rulebase)
             machine_code = not interpreted and has_machine_code()
             self._stages = [
                 Stage(stage, len(self._inputs), otherwise, machine_code=machine_code)
@@ -80,10 +96,11 @@ class Compiled:
         self.reason = next((stage.reason for stage in self._stages if stage.reason), "")
         machine = all(stage.compiled for stage in self._stages)
         self.kernel = "machine code" if machine else "python"
-        self.named_point: ByName = self._named
+        at, self.named_point, call = PointFunctions(self.at, self._named, otherwise)
         if len(self._stages) == 1:  # the shortest way: without a call in between
-            self.named_point = self._stages[0].named
-            vars(self)["at"] = self._stages[0].at
+            at, self.named_point, call = self._stages[0].functions
+            vars(self)["at"] = at
+        type(self).__call__.__set__(self, call)  # type: ignore[attr-defined]
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process lays its own numbers out.
@@ -108,32 +125,8 @@ class Compiled:
         """
         return tuple(self.point(_by_name(self._inputs, values)).values())
 
-    def __call__(
-        self,
-        *values: Any,
-        held: Mapping[str, float] | None = None,
-        **named: Any,
-    ) -> Any:
-        """Evaluate the rule base.
-
-        Parameters
-        ----------
-        *values : float, array_like, mapping, DataFrame or Dataset
-            The inputs in their order, or all of them by name in one.
-        held : mapping of str to float, optional
-            Last values of outputs that hold where no rule fires.
-        **named : float, array_like, Series, DataFrame or DataArray
-            Inputs by name. Arrays broadcast against each other.
-
-        Returns
-        -------
-        dict of str to float or ndarray of float64
-            As :func:`fuzzyarm.infer`, with the same errors.
-        """
-        if not values and held is None:  # the thin path
-            result = self.named_point(named)
-            if result is not None:
-                return result
+    def general(self, *values: Any, held: Mapping[str, float] | None = None, **named: Any) -> Any:
+        """Evaluate the rule base at arguments of any kind: what a call does."""
         columns, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
         results = self.evaluate(columns, held)
         return results if labels is None else labels.on(results)
@@ -179,7 +172,7 @@ class Compiled:
             return None
         values = dict(arguments)
         for stage in self._stages:
-            found = stage.named({name: values[name] for name in stage.inputs})
+            found = stage.functions.named({name: values[name] for name in stage.inputs})
             if found is None:
                 return None
             values |= found
@@ -216,10 +209,9 @@ def kept(rulebase: RuleBase) -> Compiled:
     return Compiled(rulebase)
 
 
-def _at_otherwise(rulebase: RuleBase, *values: Any) -> tuple[float, ...]:
-    """Evaluate one point whose outputs are not all ordinary."""
-    names = tuple(variable.name for variable in rulebase.inputs)
-    return tuple(kept(rulebase).point(_by_name(names, values)).values())
+def _otherwise(engine: ref[Compiled], rulebase: RuleBase, *values: Any, **named: Any) -> Any:
+    """Evaluate what the kernel at a point does not cover, also for an `at` that outlives it all."""
+    return (engine() or kept(rulebase)).general(*values, **named)
 
 
 def compiled(rulebase: AnyRuleBase) -> Compiled:

@@ -134,7 +134,7 @@ def form_of(k: Any) -> KernelForm:
 
 @kernel
 def form_of_grid(k: Any) -> KernelForm:
-    """Give the form of a grid of two inputs and one output; see :func:`is_grid`."""
+    """Give the form of a grid of two inputs and one output; see :func:`bindings_for`."""
     return KernelForm(2, 1, 2, True)
 
 
@@ -142,7 +142,12 @@ GRID: dict[str, Callable[..., Any]] = {"form_of": form_of_grid}
 """Bindings of :func:`evaluate` for such a rule base: constants, which the compiler propagates."""
 
 
-def is_grid(block: Any) -> bool:
+def bindings_for(block: Any) -> dict[str, Callable[..., Any]]:
+    """Return the bindings of :func:`evaluate` for the rule base in a block."""
+    return GRID if _is_grid(block) else {}
+
+
+def _is_grid(block: Any) -> bool:
     """Whether the rule base in a block has the form of :func:`form_of_grid`."""
     k = whole_numbers(block)
     if tuple(form_of(k))[:3] != tuple(form_of_grid(k))[:3]:

@@ -12,26 +12,42 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import NotCoveredError, PointBlock, make_block
 from fuzzyarm.inference.errors import NoRuleFiredError, NotANumberError
 from fuzzyarm.inference.inputs import bring_into_range, held_value, stands_in_for_nan
-from fuzzyarm.inference.kernel import evaluate
+from fuzzyarm.inference.kernel import bindings_for, evaluate
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.stages import without_values
 from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.symbolic.kernels import bound_routine, lock, point_routines
+from fuzzyarm.symbolic.kernels import bound_routine, lock, point_functions
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.block import Layout
 
-ByName = Callable[[Any], "dict[str, float] | None"]
-"""From the inputs at a point to the outputs; None where one is not a number, or has no value."""
-
 LARGEST = sys.float_info.max
+
+
+class PointFunctions(NamedTuple):
+    """Evaluators of one point.
+
+    Attributes
+    ----------
+    at : callable
+        From the inputs by position to a tuple of the outputs.
+    named : callable
+        From a dictionary to a dictionary; None for a point that is not ordinary: an input that is
+        no float or int, an output without a value.
+    call : callable
+        From arguments, by position or by name, to a dictionary of the outputs.
+    """
+
+    at: Callable[..., tuple[float, ...]]
+    named: Callable[[Any], dict[str, float] | None]
+    call: Callable[..., Any]
 
 
 class Stage:
@@ -44,14 +60,15 @@ class Stage:
     own : int
         How many of its inputs, the first, are those of the whole; the rest are earlier outputs.
     otherwise : callable
-        Called with the inputs of the whole by position where an output is not ordinary.
+        Fallback for a point that is not ordinary: from arguments, by position or by name, to
+        the outputs by name.
     machine_code : bool
         Whether to take it where there is some.
 
     Attributes
     ----------
-    at, named : callable
-        From the inputs at a point to the outputs, by position and by name.
+    functions : PointFunctions
+        The evaluators of one point.
     inputs : tuple of str
         Names.
     layout : Layout
@@ -71,7 +88,7 @@ class Stage:
         self,
         rulebase: RuleBase,
         own: int,
-        otherwise: Callable[..., tuple[float, ...]],
+        otherwise: Callable[..., Any],
         *,
         machine_code: bool,
     ) -> None:
@@ -81,18 +98,18 @@ class Stage:
         self._outputs = tuple(output.name for output in rulebase.outputs)
         self._without: dict[tuple[str, ...], Stage] = {}
         self.layout, self.compiled, self.reason = _laid_out(rulebase, machine_code=machine_code)
-        self.at, self.named = self._point_functions(make_block(self.layout, 1))
+        self.functions = self._point_functions(make_block(self.layout, 1))
 
-    def _point_functions(
-        self, block: PointBlock
-    ) -> tuple[Callable[..., tuple[float, ...]], ByName]:
-        """Make the functions of one point, by position and by name."""
+    def _point_functions(self, block: PointBlock) -> PointFunctions:
         inputs, outputs = self.inputs, self._outputs
         otherwise = self._otherwise
         if self.compiled:
             places = (block.columns, inputs), (block.results, outputs)
             with suppress(ValueError):  # more inputs than the machine code of a point has room for
-                return point_routines(evaluate, block.numbers, *places, otherwise)
+                bindings = bindings_for(block.numbers)
+                return PointFunctions(
+                    *point_functions(evaluate, bindings, block.numbers, *places, otherwise)
+                )
         columns = block.numbers[block.columns : block.columns + len(inputs)]
         results = block.numbers[block.results : block.results + len(outputs)]
         run = runner(block, compiled=self.compiled)
@@ -116,7 +133,7 @@ class Stage:
 
         def at(*values: Any) -> tuple[float, ...]:
             found = ordinary(values) if len(values) == len(inputs) else None
-            return otherwise(*values) if found is None else tuple(found)
+            return tuple(otherwise(*values).values() if found is None else found)
 
         def named(arguments: Mapping[str, Any]) -> dict[str, float] | None:
             if arguments.keys() != set(inputs):
@@ -126,7 +143,7 @@ class Stage:
             found = ordinary(values) if plain else None
             return None if found is None else dict(zip(outputs, found, strict=True))
 
-        return at, named
+        return PointFunctions(at, named, otherwise)
 
     def without(self, missing: tuple[str, ...]) -> Stage:
         """Return the stage where earlier outputs have no value; with none missing, itself."""

@@ -405,30 +405,32 @@ def bound_routine(
     return cast(Callable[[], None], module.bind(address, types, arrays, brief))
 
 
-def point_routines(
+def point_functions(
     function: Callable[..., None],
+    bindings: _Bindings,
     block: Any,
     inputs: tuple[int, tuple[str, ...]],
     outputs: tuple[int, tuple[str, ...]],
-    otherwise: Callable[..., tuple[float, ...]],
-) -> tuple[Callable[..., tuple[float, ...]], Callable[[Any], dict[str, float] | None]]:
-    """Return two evaluators of one point as machine code: by position, and by name.
+    otherwise: Callable[..., Any],
+) -> tuple[Callable[..., Any], ...]:
+    """Return the evaluators of one point as machine code.
 
     Parameters
     ----------
-    function : kernel
-        A kernel of one block.
+    function, bindings
+        A kernel of one block, see :func:`address_of`.
     block : ndarray of float64
         Its numbers, shared by all threads.
     inputs, outputs : tuple
         Index of the first one in the block, and their names.
     otherwise : callable
-        Fallback, called with the values by position for a NaN input or an undefined output.
+        Fallback of `at` and `call` for a point that is not ordinary: from their arguments to a
+        dictionary of the outputs.
 
     Returns
     -------
     tuple of callable
-        The second takes a dictionary, and returns None where the first falls back.
+        See :class:`fuzzyarm.inference.stage.PointFunctions`.
 
     Raises
     ------
@@ -436,9 +438,11 @@ def point_routines(
         If there are too many inputs for its buffer.
     """
     module: Any = _module()
-    address = address_of(function, 1, compiled=True)
-    at, named = module.point(address, block, *inputs, *outputs, otherwise)
-    return at, named
+    address = address_of(function, 1, bindings, compiled=True)
+    functions: tuple[Callable[..., Any], ...] = module.point(
+        address, block, *inputs, *outputs, otherwise
+    )
+    return functions
 
 
 def sweep_routine(

@@ -453,6 +453,25 @@ static int read_number(PyObject *value, double *number) {
   return 0;
 }
 
+/* Give the inputs of a point in their order to what evaluates any; the outputs in their order. */
+static PyObject *elsewhere(const Point *self, PyObject *const *values, Py_ssize_t count) {
+  PyObject *tuple = PyTuple_New(count), *list = NULL;
+  if (tuple == NULL) return NULL;
+  for (Py_ssize_t k = 0; k < count; k++) {
+    Py_INCREF(values[k]);
+    PyTuple_SetItem(tuple, k, values[k]);
+  }
+  PyObject *outputs = PyObject_CallObject(self->otherwise, tuple);
+  Py_DECREF(tuple);
+  if (outputs == NULL) return NULL;
+  list = PyMapping_Values(outputs);
+  Py_DECREF(outputs);
+  if (list == NULL) return NULL;
+  tuple = PyList_AsTuple(list);
+  Py_DECREF(list);
+  return tuple;
+}
+
 /* From inputs in their order to a tuple; what is not ordinary goes elsewhere. */
 static PyObject *point_at(PyObject *object, PyObject *const *values, Py_ssize_t count) {
   Point *self = (Point *)object;
@@ -461,16 +480,8 @@ static PyObject *point_at(PyObject *object, PyObject *const *values, Py_ssize_t 
   if (count == self->inputs)
     while (read < count && read_number(values[read], &given[read]) == 0) read++;
   PyObject *tuple;
-  if (read < self->inputs || read != count || !point_evaluate(self, given)) {
-    if ((tuple = PyTuple_New(count)) == NULL) return NULL;
-    for (Py_ssize_t k = 0; k < count; k++) {
-      Py_INCREF(values[k]);
-      PyTuple_SetItem(tuple, k, values[k]);
-    }
-    PyObject *result = PyObject_CallObject(self->otherwise, tuple);
-    Py_DECREF(tuple);
-    return result;
-  }
+  if (read < self->inputs || read != count || !point_evaluate(self, given))
+    return elsewhere(self, values, count);
   if ((tuple = PyTuple_New(self->outputs)) == NULL) return NULL;
   for (Py_ssize_t k = 0; k < self->outputs; k++) {
     PyObject *value = PyFloat_FromDouble(self->y[k]);
@@ -483,13 +494,18 @@ static PyObject *point_at(PyObject *object, PyObject *const *values, Py_ssize_t 
   return tuple;
 }
 
-/* From a dictionary to a dictionary; None for what is not ordinary. */
-static PyObject *point_named(PyObject *object, PyObject *named) {
+/* From a dictionary, or a tuple in the order of the inputs, to a dictionary; None for what is not
+   ordinary. */
+static PyObject *point_named(PyObject *object, PyObject *values) {
   Point *self = (Point *)object;
   double given[MOST_INPUTS];
-  if (!PyDict_Check(named) || PyDict_Size(named) != self->inputs) Py_RETURN_NONE;
+  const int by_name = PyDict_Check(values);
+  if (!by_name && !PyTuple_Check(values)) Py_RETURN_NONE;
+  if ((by_name ? PyDict_Size(values) : PyTuple_Size(values)) != self->inputs) Py_RETURN_NONE;
   for (Py_ssize_t k = 0; k < self->inputs; k++) {
-    PyObject *value = PyDict_GetItemWithError(named, PyTuple_GetItem(self->input_names, k));
+    PyObject *value = by_name
+        ? PyDict_GetItemWithError(values, PyTuple_GetItem(self->input_names, k))
+        : PyTuple_GetItem(values, k);
     if (value == NULL && PyErr_Occurred()) return NULL;
     if (value == NULL || !(PyFloat_Check(value) || PyLong_Check(value))) Py_RETURN_NONE;
     if (read_number(value, &given[k]) < 0) Py_RETURN_NONE;
@@ -505,12 +521,26 @@ static PyObject *point_named(PyObject *object, PyObject *named) {
   return result;
 }
 
+/* From arguments, by name or in their order, to a dictionary; what is not ordinary goes elsewhere. */
+static PyObject *point_call(PyObject *object, PyObject *values, PyObject *named) {
+  const int by_name = named != NULL && PyDict_Size(named) > 0;
+  if (!by_name || PyTuple_Size(values) == 0) {
+    PyObject *found = point_named(object, by_name ? named : values);
+    if (found != Py_None) return found;
+    Py_DECREF(found);
+  }
+  return PyObject_Call(((Point *)object)->otherwise, values, named);
+}
+
 static PyMethodDef at_method = {
     "at", (PyCFunction)(void (*)(void))point_at, METH_FASTCALL, "Evaluate inputs in their order."};
 static PyMethodDef named_method = {
     "named", point_named, METH_O, "Evaluate inputs by name; None for what is not ordinary."};
+static PyMethodDef point_call_method = {
+    "call", (PyCFunction)(void (*)(void))point_call, METH_VARARGS | METH_KEYWORDS,
+    "Evaluate inputs by name or in their order."};
 
-/* Return both functions of a kernel on a block. */
+/* Return the three functions of a kernel on a block. */
 static PyObject *point(PyObject *module, PyObject *arguments) {
   (void)module;
   unsigned long long address;
@@ -532,7 +562,7 @@ static PyObject *point(PyObject *module, PyObject *arguments) {
   Py_INCREF(self->input_names = input_names);
   Py_INCREF(self->output_names = output_names);
   Py_INCREF(self->otherwise = otherwise);
-  PyObject *pair = NULL;
+  PyObject *functions = NULL;
   if (take(block, 'f', 1, &self->block) == 0) {
     self->held = 1;
     const Py_ssize_t length = self->block.len / self->block.itemsize;
@@ -543,13 +573,16 @@ static PyObject *point(PyObject *module, PyObject *arguments) {
       self->y = (double *)self->block.buf + y;
       PyObject *at = PyCFunction_NewEx(&at_method, (PyObject *)self, NULL);
       PyObject *named = PyCFunction_NewEx(&named_method, (PyObject *)self, NULL);
-      if (at != NULL && named != NULL) pair = PyTuple_Pack(2, at, named);
+      PyObject *call = PyCFunction_NewEx(&point_call_method, (PyObject *)self, NULL);
+      if (at != NULL && named != NULL && call != NULL)
+        functions = PyTuple_Pack(3, at, named, call);
       Py_XDECREF(at);
       Py_XDECREF(named);
+      Py_XDECREF(call);
     }
   }
   Py_DECREF(self);
-  return pair;
+  return functions;
 }
 
 /* Whether arrays are as long as a program of operations reads and fills them, see

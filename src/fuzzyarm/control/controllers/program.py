@@ -847,7 +847,7 @@ def inference_address(numbers: NDArray[np.float64], *, compiled: bool) -> int:
     """Return where a controller finds the inference kernel for a rule base."""
     if not compiled:
         return address_of(evaluate_view, 1, compiled=False)
-    bindings = inference_kernel.GRID if inference_kernel.is_grid(numbers) else {}
+    bindings = inference_kernel.bindings_for(numbers)
     return address_of(inference_kernel.evaluate, 1, bindings, compiled=True)
 
 
