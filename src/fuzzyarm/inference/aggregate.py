@@ -135,7 +135,7 @@ def sample_positions(low: float, high: float, defuzzifier: Defuzzifier) -> list[
     return positions(low, high, defuzzifier.resolution, defuzzifier.sampling)
 
 
-def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
+def folded_strengths(plan: OutputPlan, fired: Fired) -> dict[int, float]:
     """Return one strength for each member, in their order: its rules under the aggregation."""
     norm = SNORMS[plan.output.aggregation].scalar
     folded: dict[int, float] = {}
@@ -146,7 +146,9 @@ def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
 
 def folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
     """Return one strength for each member under max: a T-norm rises with the strength."""
-    return list(fold_at_point(plan, fired).items()) if plan.output.aggregation == "max" else fired
+    return (
+        list(folded_strengths(plan, fired).items()) if plan.output.aggregation == "max" else fired
+    )
 
 
 def added_up(numbers: Iterable[float]) -> float:

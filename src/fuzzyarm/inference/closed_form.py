@@ -101,7 +101,7 @@ def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
 
 
 @kernel
-def closed_centroid_at_point(
+def closed_centroid_of_point(
     k: Any, f: Any, heights: Any, groups: int, at: int
 ) -> tuple[float, float, int]:
     """Return area and moment at a point, and the index behind; see :func:`closed_centroid`."""

@@ -94,7 +94,7 @@ from fuzzyarm.inference.block import (
     WORK_ROWS,
     parts_of,
 )
-from fuzzyarm.inference.closed_form import closed_centroid_at_point
+from fuzzyarm.inference.closed_form import closed_centroid_of_point
 from fuzzyarm.inference.firing_strengths import (
     fold_heights,
     fold_heights_of_point,
@@ -200,7 +200,7 @@ def evaluate(block: Any) -> None:
             at = fold_heights_of_point(k, f, scratch, at, k[head + AGGREGATION], heights, operands)
         bounds = k[head + FLOATS_AT]
         if form.grid or k[head + IS_CLOSED] != 0:
-            total, moment, at = closed_centroid_at_point(k, f, scratch[heights:], k[groups], at)
+            total, moment, at = closed_centroid_of_point(k, f, scratch[heights:], k[groups], at)
         else:
             total, moment, at = _defuzzified_point(block, k, scratch, head, groups, at)
         value = _value_of_output(k, f, scratch, head, total, moment, form.grid)

@@ -45,7 +45,7 @@ def _degree(shape: Shape, value: float, hedges: tuple[Hedge, ...]) -> float:
     return max(0.0, degree)  # of an output without a value, too
 
 
-def _over_floats() -> _Algebra:
+def _float_algebra() -> _Algebra:
     return _Algebra(
         _degree,
         attrgetter("scalar"),
@@ -55,7 +55,7 @@ def _over_floats() -> _Algebra:
     )
 
 
-def _over_arrays() -> _Algebra:
+def _array_algebra() -> _Algebra:
     import numpy as np
 
     def degree(shape: Shape, value: Strength, hedges: tuple[Hedge, ...]) -> Strength:
@@ -121,9 +121,9 @@ class _Walk:
         return self._algebra.hedged(part.hedges, self._algebra.at_most_one(total))
 
 
-def strengths_at_point(steps: Plan, values: Mapping[str, float]) -> list[float]:
+def rule_strengths(steps: Plan, values: Mapping[str, float]) -> list[float]:
     """Return how far each rule of a plan fires at inputs, and outputs that later rules read."""
-    return _Walk(steps, values, _over_floats()).strengths()
+    return _Walk(steps, values, _float_algebra()).strengths()
 
 
 def firing_strengths(
@@ -161,7 +161,7 @@ def firing_strengths(
     ranged = {v.name: array_in_range(v, arrays[v.name]) for v in rulebase.inputs}
     steps = plan(unstated)
     strengths = np.zeros((len(rulebase.rules), *shape))
-    rows = _Walk(steps, ranged | outputs, _over_arrays()).strengths()
+    rows = _Walk(steps, ranged | outputs, _array_algebra()).strengths()
     for rule, readings in enumerate(steps.readings):
         strengths[rule] = rows[readings[0]]
     return strengths, outputs

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.base.jsonable import JsonRecord, json_properties
 from fuzzyarm.base.shown import Drawn, one_line
-from fuzzyarm.inference.aggregate import Fired, aggregate, fold_at_point
+from fuzzyarm.inference.aggregate import Fired, aggregate, folded_strengths
 from fuzzyarm.inference.engine import Outcome, kept
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.infer import infer_interval
@@ -18,8 +18,8 @@ from fuzzyarm.inference.inputs import bring_into_range
 from fuzzyarm.inference.labelled import by_name
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
 from fuzzyarm.inference.sets import Piece, crossing, term_function
-from fuzzyarm.inference.strengths import strengths_at_point
-from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.inference.strengths import rule_strengths
+from fuzzyarm.inference.weighted import tsukamoto_position
 from fuzzyarm.language.model.rulebase import (
     And,
     AnyRuleBase,
@@ -262,7 +262,7 @@ def explain(
     values_by_name = by_name(inputs, named, rulebase.inputs)
     point = kept(rulebase).outcome(values_by_name, held)
     steps = plan(rulebase)
-    strengths = strengths_at_point(steps, point.values)
+    strengths = rule_strengths(steps, point.values)
     names = dict.fromkeys([*(v.name for v in rulebase.inputs), *_outputs_read(steps)])
     ends: dict[str, tuple[float, float]] = {}
     if any(output.sides and output.record.of == "ends" for output in steps.outputs.values()):
@@ -419,7 +419,7 @@ def _output(asserted: _Asserted, ends: Mapping[str, tuple[float, float]]) -> Out
     output = plan.output
     consequents = tuple(
         _consequent(asserted, plan.members[member], strength)
-        for member, strength in fold_at_point(plan, fired).items()
+        for member, strength in folded_strengths(plan, fired).items()
     )
     union: Curve = ()
     if fired and not plan.discrete:
@@ -452,7 +452,7 @@ def _output_of_type_2(asserted: _Asserted, ends: Mapping[str, tuple[float, float
     """Return an output between two sets: each consequent with both of its readings."""
     plan, rulebase, _, fired = asserted
     name = plan.output.name
-    folded = fold_at_point(plan, fired)
+    folded = folded_strengths(plan, fired)
     names = {term.name for term in rulebase.output(name).terms}
     consequents = []
     # Each pair is a term of the file: the member of its upper set and that of its lower one.
@@ -492,7 +492,7 @@ def _consequent(asserted: _Asserted, member: Member, strength: float) -> Consequ
     value = member.value
     if plan.discrete and value is None:
         if plan.record.inverts and member.pieces:
-            value = tsukamoto_at_point(plan, member, strength)
+            value = tsukamoto_position(plan, member, strength)
         else:
             value = _consequent_value(asserted, member)
     curve = () if plan.discrete else _clipped(member, strength)

@@ -11,7 +11,7 @@ from fuzzyarm.inference.sets import bisect
 from fuzzyarm.symbolic.kinds import SHAPES
 
 
-def tsukamoto_at_point(plan: OutputPlan, member: Member, strength: float) -> float:
+def tsukamoto_position(plan: OutputPlan, member: Member, strength: float) -> float:
     """Return where the set of `member` reaches `strength`; the nearest it has otherwise."""
     shape = member.term.shape
     inverse = SHAPES[shape.kind].position_of

@@ -17,7 +17,7 @@ import numpy as np
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.inference.weighted import tsukamoto_position
 from fuzzyarm.proof.map.aggregates import AggregateSamples, JoinedPanels, Panels, Strengths, folded
 from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.bounds import UnprovableError
@@ -289,7 +289,7 @@ class _OfNumbers(Crisp):
         for member in self.output.members:
             if member.pieces:
                 try:
-                    tsukamoto_at_point(self.output, member, 0.5)
+                    tsukamoto_position(self.output, member, 0.5)
                 except InferenceError as error:
                     raise UnprovableError(str(error)) from None
 
@@ -369,7 +369,7 @@ class _OfNumbers(Crisp):
 
     def _positions(self, member: Member, degree: float) -> tuple[float, float]:
         """Return where a set reaches a degree, and where inference says so: not at infinity."""
-        position = tsukamoto_at_point(self.output, member, degree)
+        position = tsukamoto_position(self.output, member, degree)
         shape = member.term.shape
         inverse = SHAPES[shape.kind].position_of
         if inverse is None or member.hedges:
