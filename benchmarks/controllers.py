@@ -22,7 +22,7 @@ import numpy as np
 
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.control.controllers.kernel import step
-from fuzzyarm.exchange.export.c import controller_c
+from fuzzyarm.exchange.export.c_files import controller_c
 from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.exchange.export.cost import step_cost
 from fuzzyarm.exchange.export.trial import trial

@@ -10,7 +10,7 @@ from c_programs import compile_c, execute
 
 from fuzzyarm import load, shipped
 from fuzzyarm.control.controllers.text import with_files
-from fuzzyarm.exchange.export.c import controller_c
+from fuzzyarm.exchange.export.c_files import controller_c
 from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.language import parse
 from fuzzyarm.symbolic.identifiers import identifier

@@ -14,7 +14,7 @@ from c_programs import STRICT
 from controller_programs import driver
 from needs import need
 
-from fuzzyarm.exchange.export.c import controller_c
+from fuzzyarm.exchange.export.c_files import controller_c
 
 TOOLS = ("arm-none-eabi-gcc", "qemu-system-arm")
 

@@ -14,7 +14,7 @@ from st_programs import Program
 
 from fuzzyarm.base.folders import MODULES
 from fuzzyarm.exchange.export import ControllerProgram, export_controller
-from fuzzyarm.exchange.export.c import TestSequence as Sequence
+from fuzzyarm.exchange.export.c_files import TestSequence as Sequence
 from fuzzyarm.exchange.export.walk_of_steps import steps_of
 
 GAP = """

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from fuzzyarm import shipped
 from fuzzyarm.base.errors import UsageError
 from fuzzyarm.control.controllers import controller
-from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.control.loop import Options, Sensor, Signal, read_signal, simulate
 from fuzzyarm.control.loop.analysis import phase_portrait

@@ -6,8 +6,8 @@ import pytest
 
 from fuzzyarm.control.controllers import Controller, controller
 from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.own import find_controller
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.loop import Options, Sensor, simulate, simulate_many
 from fuzzyarm.plant import reach_return
 from fuzzyarm.plant.own import find_plant

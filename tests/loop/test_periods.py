@@ -13,8 +13,8 @@ from fuzzyarm.apps.study.comparison import compare
 from fuzzyarm.apps.study.cost import count_operations, measure_time
 from fuzzyarm.control.controllers import controller
 from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, timing_on
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.loop import Options, Sensor, Signal, simulate, simulate_many
 from fuzzyarm.control.loop.along import trajectory_motion
 from fuzzyarm.language import read_text

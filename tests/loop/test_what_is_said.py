@@ -11,7 +11,7 @@ from fuzzyarm import load, shipped
 from fuzzyarm.apps.cli import main
 from fuzzyarm.control.controllers import controller
 from fuzzyarm.control.controllers.catalogue import controller_in
-from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.loop import Options, Sensor, Signal, simulate, simulate_many
 from fuzzyarm.language import read_text
 from fuzzyarm.plant import STUDY, Plant, PlantError, Port, find_plant, reach, reach_return

@@ -277,7 +277,7 @@ class _Watched:
     def print(self, last: Snapshot, out: str | None) -> None:
         """Print the errors of each pass and the final tables."""
         from fuzzyarm.apps.show.drawing import make_console
-        from fuzzyarm.control.controllers.program import AXIS
+        from fuzzyarm.control.controllers.code import AXIS
         from fuzzyarm.learning.self_organizing import error_words
 
         console = make_console()

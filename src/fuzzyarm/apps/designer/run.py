@@ -37,11 +37,11 @@ from fuzzyarm.base.errors import FuzzyarmError, WordError
 from fuzzyarm.base.names import printable
 from fuzzyarm.base.picture import drawing_data, short
 from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.controller import CompiledController
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.law import Gain
 from fuzzyarm.control.controllers.on_plant import driven_by, site_of, text_law_of
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ControllerText, home_of, sheet_path
 from fuzzyarm.control.loop.along import equipped
 from fuzzyarm.control.loop.course import Motion, Options

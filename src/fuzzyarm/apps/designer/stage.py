@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import controller_on, site_of
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.loop.run import first_error, text_of
 from fuzzyarm.plant.drawings import PlantScene, drawing_of
 from fuzzyarm.plant.following import carries, shortest_trajectory

@@ -39,7 +39,7 @@ def sweepable(session: Session, request: BareMessage, job: WindowJob) -> None:
 def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
     """Return the controller of a text; of a rule base the one that evaluates it directly."""
     from fuzzyarm.apps.designer.run import controller_of, is_rule_base, source_of
-    from fuzzyarm.control.controllers.program import SourceError
+    from fuzzyarm.control.controllers.code import SourceError
 
     if session.path.lower().endswith(".lut"):
         raise TextRefusedError("a table does not run by itself; open a controller")

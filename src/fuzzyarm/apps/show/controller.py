@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from fuzzyarm.apps.show.diagram import gain_words, option_words, time_text
 from fuzzyarm.base.columns import in_columns
 from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.controllers.code import Sheet
 from fuzzyarm.control.controllers.findings import site_by_axes
-from fuzzyarm.control.controllers.program import Sheet
 from fuzzyarm.control.controllers.text import ZERO, ControllerText
 from fuzzyarm.language.model.controller import (
     Axes,

@@ -27,7 +27,7 @@ from fuzzyarm.language.tokens import name_text
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
-    from fuzzyarm.control.controllers.program import Sheet
+    from fuzzyarm.control.controllers.code import Sheet
     from fuzzyarm.table.diff import TableDiff
 
 

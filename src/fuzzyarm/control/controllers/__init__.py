@@ -21,10 +21,10 @@ from fuzzyarm.control.controllers.catalogue import (
     UnknownControllerError,
     controller,
 )
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.controller import CompiledController, Controller, Sum
 from fuzzyarm.control.controllers.law import Gain, GainError
 from fuzzyarm.control.controllers.own import OwnControllerError, find_controller
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ControllerText
 
 __all__ = [

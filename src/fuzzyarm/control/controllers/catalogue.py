@@ -29,6 +29,7 @@ from fuzzyarm.control.controllers.adaptive import (
     DECENTRALISED_LAW,
     MODEL_REFERENCE_LAW,
 )
+from fuzzyarm.control.controllers.code import Sheet, SourceError
 from fuzzyarm.control.controllers.controller import CompiledController, Controller, Sum
 from fuzzyarm.control.controllers.conventional import (
     COMPUTED_TORQUE_LAW,
@@ -41,7 +42,6 @@ from fuzzyarm.control.controllers.conventional import (
 from fuzzyarm.control.controllers.files import demand_text_file
 from fuzzyarm.control.controllers.law import Law, Origin
 from fuzzyarm.control.controllers.on_plant import make_law
-from fuzzyarm.control.controllers.program import Sheet, SourceError
 from fuzzyarm.control.controllers.text import (
     Change,
     ControllerText,

@@ -20,9 +20,9 @@ from fuzzyarm.base.units import (
     unit_text,
     unlike,
 )
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, Site, lacking, site_of, text_law_of
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.reach import (
     FED_BACK,
     MADE,

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.names import near_hint
+from fuzzyarm.control.controllers.code import AXIS, ControllerCode, Sheet, SourceError, Wiring
 from fuzzyarm.control.controllers.controller import CompiledController, Controller, Sum
 from fuzzyarm.control.controllers.kernel import step_on
 from fuzzyarm.control.controllers.law import (
@@ -28,14 +29,7 @@ from fuzzyarm.control.controllers.law import (
     law_address,
     write_observation,
 )
-from fuzzyarm.control.controllers.program import (
-    AXIS,
-    ControllerCode,
-    Sheet,
-    SourceError,
-    Wiring,
-    write_down,
-)
+from fuzzyarm.control.controllers.program import write_down
 from fuzzyarm.control.controllers.robot_laws import EFFORTS, InverseDynamics, robot_law
 from fuzzyarm.control.controllers.text import ControllerText, gains_of, ports_of
 from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Product, SignalLine

@@ -24,7 +24,8 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from fuzzyarm.control.controllers.program import AXIS, Sheet, SourceError, of_axis, skipped_drives
+from fuzzyarm.control.controllers.code import AXIS, Sheet, SourceError
+from fuzzyarm.control.controllers.program import of_axis, skipped_drives
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
     Axes,

@@ -12,6 +12,7 @@ from functools import reduce
 
 from fuzzyarm.base.diagnostic import Span
 from fuzzyarm.base.units import Unit, described_unit, of_difference, product, read_unit
+from fuzzyarm.control.controllers.code import AXIS, Sheet, SourceError
 from fuzzyarm.control.controllers.on_plant import Site
 from fuzzyarm.control.controllers.period import (
     Algebra,
@@ -22,7 +23,6 @@ from fuzzyarm.control.controllers.period import (
     Remembered,
     Update,
 )
-from fuzzyarm.control.controllers.program import AXIS, Sheet, SourceError
 from fuzzyarm.control.controllers.text import ControllerText, input_names, ports_of
 from fuzzyarm.control.controllers.updates import range_of_source
 from fuzzyarm.language.model.controller import (

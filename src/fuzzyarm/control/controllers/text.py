@@ -23,17 +23,11 @@ from fuzzyarm.base.protected import SourceFileError
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.base.shown import Shown
 from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
+from fuzzyarm.control.controllers.code import AXIS, ControllerCode, Sheet, SourceError, Wiring
 from fuzzyarm.control.controllers.files import demand_text_file, without_controller
 from fuzzyarm.control.controllers.kernel import step
 from fuzzyarm.control.controllers.law import Gain, unknown_gain, view
-from fuzzyarm.control.controllers.program import (
-    AXIS,
-    ControllerCode,
-    Sheet,
-    SourceError,
-    Wiring,
-    write_down,
-)
+from fuzzyarm.control.controllers.program import write_down
 from fuzzyarm.inference.errors import NotANumberError
 from fuzzyarm.inference.inputs import number_of
 from fuzzyarm.language.model.claims import LoopClaim

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.control.controllers import on_plant
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.controller import CompiledController, Controller
 from fuzzyarm.control.controllers.law import Law, drives_of_laws, law_integers, view
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.robot_laws import EFFORTS, JointMoment, RobotLaw
 from fuzzyarm.control.controllers.text import ControllerRun
 from fuzzyarm.control.loop.course import Course, flat

@@ -17,6 +17,7 @@ from fuzzyarm.base.errors import UsageError, demand_extra
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.base.value_kinds import CONTROLLER, wrong_kind
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import (
     Site,
@@ -31,7 +32,6 @@ from fuzzyarm.control.controllers.on_plant import (
     timed,
     timing_on,
 )
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import (
     Course,

@@ -28,7 +28,8 @@ from fuzzyarm.exchange.export.avr import (
     unchecked,
 )
 from fuzzyarm.exchange.export.boards import Board, Footprint, demand_fit
-from fuzzyarm.exchange.export.c import LIBRARY, CText, controller_c, routines_c
+from fuzzyarm.exchange.export.c import LIBRARY
+from fuzzyarm.exchange.export.c_files import CText, controller_c, routines_c
 from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
 from fuzzyarm.exchange.export.guard import step_name
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError, Kind, c_number

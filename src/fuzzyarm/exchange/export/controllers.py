@@ -14,7 +14,7 @@ import numpy as np
 
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.exchange.export.c import TestSequence
+from fuzzyarm.exchange.export.c_files import TestSequence
 from fuzzyarm.exchange.export.controller_lowering import controller_program
 from fuzzyarm.exchange.export.steps import Steps, StepVariable
 from fuzzyarm.exchange.export.table import FixedTable

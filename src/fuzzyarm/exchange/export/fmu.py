@@ -23,7 +23,8 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from fuzzyarm.base.extras import installing
-from fuzzyarm.exchange.export.c import PORTS, CText, controller_c, routines_c
+from fuzzyarm.exchange.export.c import PORTS
+from fuzzyarm.exchange.export.c_files import CText, controller_c, routines_c
 from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
 from fuzzyarm.exchange.export.document import xml_document
 from fuzzyarm.exchange.export.fmi import UnitC, fmi_source

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.period import (
     Algebra,
     Call,
@@ -20,7 +21,6 @@ from fuzzyarm.control.controllers.period import (
     Remembered,
 )
 from fuzzyarm.control.controllers.period import Guard as AxisGuard
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ControllerText, home_of, ports_of, sheet_path
 from fuzzyarm.exchange.export.forms import (
     NOT_A_NUMBER,

@@ -14,7 +14,7 @@ from fuzzyarm.base.files import demand_companion, demand_writable, write_atomica
 from fuzzyarm.base.folders import NETWORK
 from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.exchange.export.c import controller_c, routines_c
+from fuzzyarm.exchange.export.c_files import controller_c, routines_c
 from fuzzyarm.exchange.export.controller_lowering import controller_program
 from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
 from fuzzyarm.exchange.export.fmu import controller_fmu, platforms_named, routines_fmu

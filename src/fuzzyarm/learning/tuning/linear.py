@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from fuzzyarm.base.shipped_files import shipped
-from fuzzyarm.control.controllers.program import Sheet
+from fuzzyarm.control.controllers.code import Sheet
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.errors import InferenceError

@@ -13,7 +13,8 @@ from typing import Any, Protocol
 
 from fuzzyarm.base.numbers import whole_periods
 from fuzzyarm.control.controllers import kernel as code
-from fuzzyarm.control.controllers.program import ControllerCode, SourceError, Wiring, write_down
+from fuzzyarm.control.controllers.code import ControllerCode, SourceError, Wiring
+from fuzzyarm.control.controllers.program import write_down
 from fuzzyarm.control.controllers.text import wiring_of
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase

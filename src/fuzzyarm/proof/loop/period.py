@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping
 from typing import Generic, TypeVar
 
 from fuzzyarm.base.numbers import whole_periods
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.period import Algebra, ControlPeriod, PortValue
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.text import ports_of
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.controller import Learn, Line, SignalLine, Zoom

@@ -18,9 +18,9 @@ import numpy as np
 
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.units import Unit, product, read_unit, unit_text
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.on_plant import Site, site_of
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.reach import combine, largest, overlap, symmetric
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import Drive

@@ -15,9 +15,9 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.on_plant import Site
 from fuzzyarm.control.controllers.period import Algebra, Call, ControlPeriod, Lesson, Update
-from fuzzyarm.control.controllers.program import SourceError
 from fuzzyarm.control.controllers.reach import (
     Reach,
     combine,
