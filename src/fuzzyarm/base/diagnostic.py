@@ -57,7 +57,7 @@ class Related(NamedTuple):
     message : str
         Text of the remark.
     span : Span
-        Where.
+        Its position.
     """
 
     message: str

@@ -81,7 +81,7 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
     Returns
     -------
     tuple of int
-        The stamp of the written file, even if it has been changed by somebody else since.
+        The stamp of the written file, even if another program has changed it since.
 
     Raises
     ------
@@ -163,7 +163,7 @@ _IN_USE = (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
 
 
 def _lock(file: BinaryIO) -> None:
-    """Lock a file; OSError if it is locked. File systems without locks let everybody in."""
+    """Lock a file; OSError if it is locked. File systems without locks admit everyone."""
     if sys.platform == "win32":
         import msvcrt
 
@@ -202,7 +202,7 @@ def naming(path: str | Path) -> Iterator[None]:
 
 
 def _stays(path: str | Path) -> bool:
-    """Whether `path` must be written in place: not a regular file, or one with several names."""
+    """Whether `path` must be written in place: a special file, or one with several names."""
     if not os.path.exists(path):
         return False
     status = os.stat(path)
@@ -326,7 +326,7 @@ def write_folder(folder: str | Path, files: Mapping[str, str]) -> None:
 
 
 def _hashes(folder: Path) -> dict[str, str] | None:
-    """Return the hashes recorded in a folder; None for a folder of somebody else."""
+    """Return the hashes recorded in a folder; None for a foreign folder."""
     try:
         listed = json.loads((folder / LIST).read_text("utf-8"))
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Files by suffix, and a person's own files in a folder: none of those ignored by git."""
+"""Files by suffix, and a person's own files in a folder, without those ignored by git."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ PACKAGES = ("node_modules", "__pycache__", "site-packages")
 
 
 class _Pattern(NamedTuple):
-    """A line of a ``.gitignore``: its base folder, its pattern, whether it excludes or includes."""
+    """A line of a ``.gitignore``: base folder, pattern, exclusion or inclusion."""
 
     base: str
     pattern: re.Pattern[str]

@@ -1,7 +1,7 @@
-"""Data for JSON: records as objects, arrays as lists, null for what is not a finite number.
+"""Data for JSON: records as objects, arrays as lists, null for NaN and infinity.
 
-A data class is an object of its fields, without positions in a text (``span``). Another choice, or
-a named tuple as an object instead of a list, is said above the class::
+A data class is an object of its fields, without positions in a text (``span``). Any other choice is
+a line above the class, which can also make a named tuple an object instead of a list::
 
     @json_properties("property=statement verdict seconds lower? file=source.path")
 
@@ -153,18 +153,18 @@ def jsonable(data: Any, words: str = "", infinite: Callable[[float], Any] = lamb
 
 
 class JsonRecord:
-    """A record that gives its properties in JSON."""
+    """A record with a JSON form."""
 
     __slots__ = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the properties in JSON types; None for what is not a finite number."""
+        """Return the properties in JSON types; None for NaN and infinity."""
         data: dict[str, Any] = jsonable(self)
         return data
 
 
 def script_json(data: object) -> str:
-    """Return JSON that is safe inside an HTML script: nothing in it ends a script or a line."""
+    """Return JSON that is safe inside an HTML script: it can end neither the script nor a line."""
     import json
 
     text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)

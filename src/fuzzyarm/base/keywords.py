@@ -167,6 +167,6 @@ def unknown_argument(call: str, name: str, keywords: tuple[str, ...]) -> Argumen
 
 
 def demand_alone(call: str, *others: object) -> None:
-    """Raise ArgumentError if other arguments accompany a request."""
+    """Raise ArgumentError for other arguments beside one that excludes them."""
     if any(other is not None and other != {} for other in others):
         raise ArgumentError(f"{call}() takes a request alone: it holds the whole job")

@@ -61,8 +61,8 @@ def load_packages(*packages: str) -> None:
     """Import packages that threads need, before there are any.
 
     A thread that imports a module locks it before its package, one that imports the package locks
-    them the other way round: Python sees that they wait for each other, and gives one of them half
-    a module.
+    them the other way round: Python detects the deadlock, and gives one of them a partly
+    initialised module.
     """
     for package in packages:
         import_module(package)

@@ -23,7 +23,7 @@ def nearest(word: str, choices: Iterable[str]) -> str | None:
 
 
 def several_nearest(word: str, choices: Iterable[str], most: int = 3) -> list[str]:
-    """Return at most so many likely meanings of `word` among `choices`, the likeliest first."""
+    """Return the `most` likeliest meanings of `word` among `choices`, the likeliest first."""
     options, key = list(choices), word.casefold()
     same = [option for option in options if option.casefold() == key]
     if same or len(word) > 100:
@@ -46,12 +46,12 @@ def _closest(key: str, options: tuple[str, ...]) -> list[str]:
 
 
 def _is_slip(word: str, meant: str) -> bool:
-    """Whether a word is another one with at most one edit for each three letters."""
+    """Whether `word` is a misspelt `meant`: at most one edit for each three letters."""
     return _edits(word, meant) <= max(1, (max(len(word), len(meant)) + 1) // 3)
 
 
 def _edits(one: str, other: str) -> int:
-    """Return the letters to insert, delete, replace or swap with their neighbours."""
+    """Return the edit distance: insertions, deletions, replacements, swaps of neighbours."""
     before: list[int] = []
     row = list(range(len(other) + 1))
     for i, a in enumerate(one):

@@ -60,7 +60,7 @@ def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
 
 
 def decimal(x: float) -> Fraction:
-    """Return the number that a float is printed as."""
+    """Return the decimal value of a float as printed."""
     from fractions import Fraction
 
     return Fraction(repr(float(x)))
@@ -124,7 +124,7 @@ def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
 
 
 def inward_interval(low: float, high: float, digits: int) -> str:
-    """Return a proved interval in words, rounded so that it stays inside."""
+    """Return a proved interval as text, rounded inward."""
     ends = outward_text(low, up=True, digits=digits), outward_text(high, up=False, digits=digits)
     return " .. ".join(ends)
 
@@ -171,7 +171,7 @@ def is_whole(time: float, period: float) -> bool:
 
 
 def fraction_of_periods(time: float, period: float) -> str:
-    """Return the predicate of a time that is not a whole number of control periods."""
+    """Return the predicate for a time between two multiples of the control period."""
     text = f"{time / period:.12g}"
     # One float beside a whole number, the quotient is rounded to that number.
     beside = f"{number_text(time)} s, not " if text == str(whole_periods(time, period)) else ""

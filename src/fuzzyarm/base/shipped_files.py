@@ -76,9 +76,9 @@ def shipped(name: str) -> Path:
 
 
 def missing_file_hint(path: str | os.PathLike[str]) -> str:
-    """Return which file may be meant by the path of one that is not there; empty for none.
+    """Return a hint for the path of a missing file: a similar name; empty for none.
 
-    A shipped one of that name comes first, then one in the same folder whose name is like it.
+    A shipped file of that name comes first, then a similar name in the same folder.
     """
     folder, name = os.path.split(os.fspath(path))
     stem, suffix = os.path.splitext(name)

@@ -81,7 +81,7 @@ NORMALISED = ("normalised", "normalized")
 
 
 def described_unit(description: str) -> Unit | None:
-    """Return the unit that a description is, as ``°C``, or {} of ``error, normalised``."""
+    """Return the unit in a description: the whole of ``°C``, the {} of ``error, normalised``."""
     if description.rpartition(",")[2].strip().lower() in NORMALISED:
         return {}
     unit = read_unit(description)
@@ -103,19 +103,19 @@ def read_unit(text: str) -> Unit | None:
 
 
 def _symbols(word: str) -> Sequence[str]:
-    """Return the symbols of a word: ``Nm`` is N m; none of 1."""
+    """Return the symbols in a word: N and m of ``Nm``; none of ``1``."""
     if word in _DIMENSIONS or word == "1":
         return [word] if word != "1" else []
-    # Without a capital it is rather a plural, as rads, or a unit of its own, as lm.
+    # Without a capital it is rather a plural (rads) or another unit (lm).
     is_product = word != word.lower() and {word[:-1], word[-1]} <= set(_DIMENSIONS)
     return [word[:-1], word[-1]] if is_product else [word]
 
 
 def near_symbol(unit: Unit) -> tuple[str, str] | None:
-    """Return an unknown symbol of a unit and the known one that it is probably meant to be."""
+    """Return an unknown unit symbol and its likely correction."""
     for symbol in unit:
         word = symbol.lower()
-        # A capital alone is a unit of its own, as T and H.
+        # A capital alone is another unit (T, H).
         if symbol not in _DIMENSIONS and (len(symbol) > 1 or symbol == word):
             spelled = _SPELLED.get(word.removesuffix("s"), word)
             known = next((known for known in _DIMENSIONS if spelled in (known, known.lower())), "")
@@ -135,7 +135,7 @@ def product(a: Unit | None, b: Unit | None, power: int = 1) -> Unit | None:
 
 
 def of_difference(unit: Unit | None) -> Unit | None:
-    """Return the unit of a difference of two values: of temperatures in °C it is K."""
+    """Return the unit of a difference of two values: K for temperatures in °C."""
     return {"K": 1} if unit == {"°C": 1} else unit
 
 
@@ -152,7 +152,7 @@ def unit_text(unit: Unit) -> str:
 
 
 def unlike(unit: Unit) -> tuple[str, str] | None:
-    """Return two symbols of one dimension of which one divides the other, as in rad/deg."""
+    """Return two symbols of one dimension, one dividing the other, as in rad/deg."""
     for first, second in combinations(unit, 2):
         if unit[first] * unit[second] < 0 and any({first, second} <= kind for kind in KINDS):
             return first, second
@@ -160,5 +160,5 @@ def unlike(unit: Unit) -> tuple[str, str] | None:
 
 
 def differs(ratio: Unit | None) -> bool:
-    """Whether the units of a known ratio are not the same, as m and V, or rad and deg."""
+    """Whether a known unit ratio is not 1: m and V, or rad and deg."""
     return bool(ratio and (unlike(ratio) or dimension(ratio)))

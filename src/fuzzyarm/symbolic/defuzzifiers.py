@@ -191,7 +191,7 @@ class Defuzzifiers(Registry[DefuzzifierKind]):
         return super().foreign | names
 
     def plain(self, figure: str) -> str:
-        """Return the name of the built-in defuzzifier whose value is this figure."""
+        """Return the name of the built-in defuzzifier whose value is this figure alone."""
         return next(n for n, kind in self.items() if kind.figure == figure and not kind.own)
 
 
@@ -263,7 +263,7 @@ def defuzzifier(name: str, value: Callable[..., X], **facts: Any) -> Defuzzifier
 
 
 def _register() -> None:
-    """Register the built-in defuzzifiers, in the order in which they are listed."""
+    """Register the built-in defuzzifiers, in display order."""
 
     def kind(name: str, value: Callable[..., X], **facts: Any) -> None:
         defuzzifier(name, value, own=False, **facts)

@@ -316,7 +316,7 @@ def may_lack_values(root: Node) -> bool:
 
 
 def has_value(root: Node, ranges: Mapping[str, tuple[float, float]]) -> bool:
-    """Whether an expression is known to be finite everywhere in a box."""
+    """Whether interval arithmetic shows that an expression is finite everywhere in a box."""
     intervals = _bounds_of_nodes(root, ranges)
     for node, interval in intervals.items():
         if not (math.isfinite(interval.low) and math.isfinite(interval.high)):

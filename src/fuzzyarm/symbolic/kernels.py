@@ -226,7 +226,7 @@ _locks: WeakSet[Any] = WeakSet()
 
 
 def lock() -> Any:
-    """Return a reentrant lock that is free again in a forked child, whoever held it."""
+    """Return a reentrant lock that is free again in a forked child, whichever thread held it."""
     made = RLock()
     _locks.add(made)
     return made
@@ -346,7 +346,7 @@ def _machine_address(
     address = _addresses_of_keys().get(key)
     if address is not None:
         return address, None
-    if hasattr(function, "__address__"):  # compiled by somebody else
+    if hasattr(function, "__address__"):  # compiled by another library
         return function.__address__, function
     if not hasattr(function, "__program__"):
         raise NotBuiltError(key)

@@ -25,7 +25,7 @@ _of_values: ContextVar[bool] = ContextVar("of_values", default=False)
 
 @contextmanager
 def comparing_values() -> Iterator[None]:
-    """Refuse equality of different nodes: code that was written for numbers means their values."""
+    """Refuse equality of different nodes: code written for numbers means equality of values."""
     token = _of_values.set(True)
     try:
         yield

@@ -111,7 +111,7 @@ class _Lowering:
         return tuple(body), result
 
     def _certain(self, node: Node) -> frozenset[Node]:
-        """Return the shared parts that are evaluated whenever `node` is."""
+        """Return the shared parts evaluated whenever `node` is."""
         if not isinstance(node, Apply):
             return frozenset()
         parts = [self.certain[child] for child in node.arguments]

@@ -120,7 +120,7 @@ class Kind:
 
 
 class Misfit(NamedTuple):
-    """Why a parameter of a shape is invalid.
+    """The reason why a parameter of a shape is invalid.
 
     Attributes
     ----------
@@ -634,7 +634,7 @@ def _norm(name: str, function: Definition, facts: dict[str, Any]) -> Norm:
 
 
 def _check_expression(kind: Kind) -> None:
-    """Trace a user's definition at once, so that a mistake shows at its place."""
+    """Trace a user's definition at once, so that the traceback leads to its mistake."""
     if not kind.own:
         return
     try:

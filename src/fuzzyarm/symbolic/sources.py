@@ -55,7 +55,7 @@ X = Any
 
 @dataclass(frozen=True)
 class Condition:
-    """A comparison of two operands, or conditions that are joined.
+    """A comparison of two operands, or a combination of conditions.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Condition:
 
     @property
     def form(self) -> Condition:
-        """The condition with empty names for operands: of which update it is one."""
+        """The condition without names of operands: its update is of this form."""
         parts = (part.form if isinstance(part, Condition) else "" for part in self.parts)
         return Condition(self.word, tuple(parts))
 
@@ -119,7 +119,7 @@ class Chosen:
     condition: Condition
 
     def names(self) -> Iterator[str]:
-        """Yield the signals and gains that it reads."""
+        """Yield the signals and gains in it."""
         every = (self.value, *self.condition.operands())
         return (value for value in every if isinstance(value, str))
 
@@ -139,7 +139,7 @@ SUPPLIED = (*ALWAYS, "last", "excess", "gain")
 
 
 def unseen(state: X) -> X:
-    """Return the condition that a state, NaN at the start, has no value yet."""
+    """Return the condition that a state still has NaN, its start."""
     return ~op.equal(state, state)
 
 
@@ -429,7 +429,7 @@ def _conditional(kind: SourceKind, form: Condition) -> SourceKind:
 
 
 class _Named:
-    """A function whose argument names are made at run time."""
+    """A function with argument names made at run time."""
 
     def __init__(self, names: Sequence[str], function: Callable[..., X]) -> None:
         self.argument_names = tuple(names)
@@ -600,7 +600,7 @@ def _levels(options: Mapping[str, Setting]) -> Interval:
 
 
 def _of_integral(near: Surroundings) -> Interval:
-    """Return the range of an integral: its bounds, with its start where that is outside."""
+    """Return the range of an integral: its bounds, and its start if outside."""
     within = near.options.get("within")
     ends = [*(within if isinstance(within, tuple) else EVERYTHING)]
     if "start" in near.options:
@@ -609,7 +609,7 @@ def _of_integral(near: Surroundings) -> Interval:
 
 
 def _of_sum(near: Surroundings) -> Interval:
-    """Return the range of a sum: without end, or that of the periods of one set point."""
+    """Return the range of a sum: unbounded, or that of the periods of one set point."""
     if "cleared" not in near.options:
         return EVERYTHING
     return Interval(min(0.0, near.at.low * near.every), max(0.0, near.at.high * near.every))

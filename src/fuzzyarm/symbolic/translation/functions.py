@@ -261,7 +261,7 @@ class _Function:
         return _together(lines)
 
     def stored(self, target: ast.expr, value: TypedText) -> list[str]:
-        """Return the lines that store a value in a name, an element, or several of these."""
+        """Return the lines that store a value in a name, an element, or a tuple of these."""
         if isinstance(target, ast.Name) and target.id == "_":
             return []
         if isinstance(target, ast.Name):
