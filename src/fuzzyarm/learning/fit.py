@@ -25,6 +25,7 @@ from fuzzyarm.base.names import printable
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.inference.engine import compiled
+from fuzzyarm.inference.threads import one_thread
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import Samples, folds, read_samples
@@ -55,7 +56,6 @@ from fuzzyarm.learning.sugeno import (
     Premises,
     Scaling,
     consequents,
-    one_thread,
     optimised,
     predicted,
 )

@@ -16,13 +16,12 @@ shapes.
 
 Matrices here are tall and narrow. On them several threads of a BLAS wait for each other
 longer than they work (measured: 0.4 s become 4 to 110 s), so that everything runs with one,
-see :func:`one_thread`.
+see :func:`~fuzzyarm.inference.threads.one_thread`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -41,14 +40,6 @@ LEAST_SHRINKAGE = 1e-12
 
 TINY = 1e-300
 """Degrees below count as this one: their logarithm stays finite."""
-
-
-def one_thread() -> AbstractContextManager[object]:
-    """Return a context in which the BLAS libraries of the process use one thread."""
-    from threadpoolctl import threadpool_limits
-
-    limits: AbstractContextManager[object] = threadpool_limits(limits=1, user_api="blas")
-    return limits
 
 
 # --- Terms and rules, their numbers in one vector ---

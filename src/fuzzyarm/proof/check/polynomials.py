@@ -32,39 +32,47 @@ def ring_of(size: int) -> tuple[Any, list[Polynomial]]:
     return ring, list(ring.gens())
 
 
+@lru_cache(maxsize=256)
+def power_of_unit(size: int, power: int) -> Polynomial:
+    """Return (λ₀ + … + λ_d)ⁿ, which is 1 on the simplex."""
+    return sum(ring_of(size)[1]) ** power
+
+
 def linear(values: Vector) -> Polynomial:
     """Return the polynomial with some values at the corners."""
     ring, units = ring_of(len(values))
     return sum((x * unit for x, unit in zip(values, units, strict=True)), ring.constant(ZERO))
 
 
-def level(p: Polynomial, q: Polynomial, size: int) -> tuple[Polynomial, Polynomial]:
+def level(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Return both of the same degree: times (λ₀ + … + λ_d)ⁿ, which is 1."""
     gap = p.total_degree() - q.total_degree()
     if p.is_zero() or q.is_zero() or not gap:
         return p, q
-    unit = sum(ring_of(size)[1]) ** abs(gap)
+    unit = power_of_unit(p.context().nvars(), abs(gap))
     return (p, q * unit) if gap > 0 else (p * unit, q)
 
 
 def plus(p: Polynomial, q: Polynomial, factor: fmpq) -> Polynomial:
     """Return ``p + factor q``."""
-    p, q = level(p, q, len(p.context().gens()))
+    p, q = level(p, q)
     return p + q * factor
 
 
 def is_positive(p: Polynomial) -> bool:
     """Tell whether a polynomial is positive on the whole simplex, corners included."""
-    terms, degree = p.to_dict(), p.total_degree()
-    corners = sum(max(powers) == degree for powers in terms)
-    return corners == len(p.context().gens()) and all(x > 0 for x in terms.values())
+    if not min(p.coeffs(), default=ZERO) > 0:
+        return False
+    degree = p.total_degree()
+    corners = sum(max(powers) == degree for powers in p.monoms())
+    return bool(corners == p.context().nvars())
 
 
 def is_not_negative(p: Polynomial, depth: int = DEEPEST) -> bool:
     """Tell whether a polynomial is shown to be at least 0 on its simplex, by halving it."""
-    negative = {powers: x for powers, x in p.to_dict().items() if x < 0}
-    if not negative:
+    if min(p.coeffs(), default=ZERO) >= 0:
         return True
+    negative = {powers: x for powers, x in p.to_dict().items() if x < 0}
     degree = p.total_degree()
     if not depth or any(max(powers) == degree for powers in negative):
         return False  # a corner where it is negative
@@ -89,9 +97,9 @@ def moved(p: Polynomial, stays: int, moves: int, share: fmpq) -> Polynomial:
 
 def ratio(p: Polynomial, q: Polynomial) -> Number:
     """Return bounds of p/q, q positive: of a degree at which no coefficient of q is 0."""
-    size = len(q.context().gens())
-    unit = sum(ring_of(size)[1])
-    p, q = level(p, q, size)
+    size = q.context().nvars()
+    unit = power_of_unit(size, 1)
+    p, q = level(p, q)
     for _ in range(3):
         lower, upper = q.to_dict(), p.to_dict()
         whole = math.comb(q.total_degree() + size - 1, size - 1)
@@ -106,8 +114,8 @@ def coefficients(polynomial: Polynomial, degree: int) -> dict[tuple[int, ...], f
     """Return the coefficients of a polynomial at a degree that is not below its own."""
     if polynomial.is_zero():
         return {}
-    unit = sum(ring_of(len(polynomial.context().gens()))[1])
-    raised = polynomial * unit ** (degree - int(polynomial.total_degree()))
+    missing = degree - int(polynomial.total_degree())
+    raised = polynomial * power_of_unit(polynomial.context().nvars(), missing)
     return {tuple(int(k) for k in powers): x for powers, x in raised.to_dict().items()}
 
 

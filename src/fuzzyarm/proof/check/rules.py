@@ -64,6 +64,7 @@ from fuzzyarm.proof.check.polynomials import (
     is_positive,
     linear,
     plus,
+    power_of_unit,
     ratio,
     ring_of,
 )
@@ -341,9 +342,8 @@ class RuleSurface:
         return upper, lower
 
     def _clipped(self, heights: Mapping[int, Any], corners: tuple[Vector, ...]) -> Any:
-        ring, units = ring_of(len(corners))
-        unit = sum(units)
-        upper = lower = ring.constant(ZERO)
+        size = len(corners)
+        upper = lower = ring_of(size)[0].constant(ZERO)
         for members, group in self.groups:
             if not all(member in heights for member in members):
                 continue
@@ -355,8 +355,8 @@ class RuleSurface:
             area, moment = group.polynomials(group.layer_of(height))
             h = linear(height)
             sign = 1 if len(members) % 2 else -1
-            lower += sum(a * h**k * unit ** (2 - k) for k, a in enumerate(area) if a) * sign
-            upper += sum(b * h**k * unit ** (3 - k) for k, b in enumerate(moment) if b) * sign
+            lower += _homogeneous(area, h, size) * sign
+            upper += _homogeneous(moment, h, size) * sign
         return upper, lower
 
     def _truth(
@@ -545,6 +545,14 @@ class RuleSurface:
 
 def _polynomial(height: Any) -> Polynomial:
     return linear(height) if isinstance(height, tuple) else height
+
+
+def _homogeneous(weights: Sequence[fmpq], h: Polynomial, size: int) -> Polynomial:
+    """Return Σ wₖ hᵏ, all terms of one degree."""
+    total = weights[-1]
+    for power, weight in enumerate(reversed(weights[:-1]), 1):
+        total = total * h + power_of_unit(size, power) * weight
+    return total
 
 
 def _times(height: Any, weight: fmpq) -> Any:

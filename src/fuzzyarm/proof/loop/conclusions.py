@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from typing import TypeVar
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import NoSectorError, Slopes, sector, slopes_at
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
+
+T = TypeVar("T")
 
 Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
 
@@ -43,11 +46,7 @@ class Conclusions:
         self._cache: dict[object, object] = {}
 
     def _prover(self, sheet: RuleBase, output: str) -> Prover:
-        key = "prover", id(sheet), output
-        if key not in self._cache:
-            self._cache[key] = Prover(sheet, output)
-        prover = self._cache[key]
-        assert isinstance(prover, Prover)
+        prover = self._kept(("prover", id(sheet), output), lambda: Prover(sheet, output))
         prover.stop = self.stop
         if prover.model is None:
             raise LoopProofError(
@@ -78,19 +77,22 @@ class Conclusions:
         return forms
 
     def _slopes_at(self, prover: Prover, at: Mapping[str, float]) -> Slopes:
-        key = "slopes", id(prover), tuple(at.items())
-        if key not in self._cache:
-            self._cache[key] = slopes_at(prover, at)
-        return self._cache[key]  # type: ignore[return-value]
+        return self._kept(("slopes", id(prover), tuple(at.items())), lambda: slopes_at(prover, at))
 
     def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
         for name, low, high in self._universes(prover):
             if not low <= at[name] <= high:
                 raise LoopProofError(f"at rest '{name}' is outside its universe")
-        value = prover.exactly(at)
+        value = self._kept(("value", id(prover), tuple(at.items())), lambda: prover.exactly(at))
         if value is None:
             raise LoopProofError("no rule fires at rest")
         return Fraction(value)
+
+    def _kept(self, key: object, find: Callable[[], T]) -> T:
+        """Return what was found under a key before, or is now."""
+        if key not in self._cache:
+            self._cache[key] = find()
+        return self._cache[key]  # type: ignore[return-value]
 
     def near(self, sheet: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
         """Return an output at a point, as a float."""
@@ -134,7 +136,8 @@ class Conclusions:
         rest = {name: variable.constant for name, variable in inputs.items()}
         value = self._value_at(prover, rest)
         region = self._region(choice, algebra, prover, inputs, signs)
-        if prover.without_value(region) is not None:
+        key = "silent", id(prover), tuple(region.items())
+        if self._kept(key, lambda: prover.without_value(region)) is not None:
             raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
         along = None
         # One gain along the linear law is tighter than one along each input; it needs f(0) = 0.
@@ -198,9 +201,7 @@ class Conclusions:
     ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
         """Return the sector along the linear law: weights, least and greatest gain; or None."""
         key = "sector", id(prover), tuple(region.items())
-        if key not in self._cache:
-            self._cache[key] = self._new_sector(prover, region, names)
-        return self._cache[key]  # type: ignore[return-value]
+        return self._kept(key, lambda: self._new_sector(prover, region, names))
 
     def _new_sector(
         self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
@@ -244,12 +245,10 @@ class Conclusions:
 
     def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
         """Return proved ends, kept under a key; a prover whose time runs out has none."""
-        if key not in self._cache:
-            bounds = prove()
-            if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
-                raise LoopProofError("time ran out before a rule base was bounded")
-            self._cache[key] = Fraction(bounds.low), Fraction(bounds.high)
-        return self._cache[key]  # type: ignore[return-value]
+        bounds = self._kept(key, prove)
+        if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
+            raise LoopProofError("time ran out before a rule base was bounded")
+        return Fraction(bounds.low), Fraction(bounds.high)
 
     def resting_table(
         self, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]

@@ -41,6 +41,9 @@ Vector = NDArray[np.float64]
 MOST_SIGNALS = 3
 """Signals of which each has two sides: 8 cones."""
 
+ROUNDS = 2
+"""How often the logarithm of the volume is replaced by its tangent."""
+
 MARGIN = 1e-6
 """Share by which the start is above the functions of all cones."""
 
@@ -91,9 +94,7 @@ def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
     return forms
 
 
-def cone_candidates(
-    base: Form, forms: Sequence[Form], stop: Stop, *, rounds: int = 2
-) -> Iterator[ConeCandidate]:
+def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[ConeCandidate]:
     """Yield one function for all cones, or where there is none, one for each.
 
     Parameters
@@ -104,8 +105,6 @@ def cone_candidates(
         In each cone.
     stop : Stop
         When to give up.
-    rounds : int
-        How often the volume is linearised.
     """
     for own in (False, True):
         if stop.now:
@@ -114,7 +113,7 @@ def cone_candidates(
             # Ill-conditioning reported by SciPy does not matter: the checker judges the result.
             warnings.simplefilter("ignore")
             try:
-                found = _Search(base, forms, own=own).found(stop, rounds)
+                found = _Search(base, forms, own=own).found(stop)
             except np.linalg.LinAlgError:
                 found = None
         if found is not None:
@@ -273,7 +272,7 @@ class _Search:
             found.append(multipliers_within(functions_width, self.width - functions_width))
         return found
 
-    def found(self, stop: Stop, rounds: int) -> ConeCandidate | None:
+    def found(self, stop: Stop) -> ConeCandidate | None:
         """Return the functions with a large start; None where none were found."""
         falls, places = self._falls()
         inequalities = [*falls, *self._bounds()]
@@ -286,7 +285,7 @@ class _Search:
         y = feasible_point(inequalities, begin, stop)
         if y is None:
             return None
-        for _ in range(rounds):
+        for _ in range(ROUNDS):
             weight = np.linalg.inv(np.tensordot(y[:count], self.basis, 1))
             cost = np.zeros(self.width)
             cost[:count] = np.tensordot(self.basis, weight, 2)

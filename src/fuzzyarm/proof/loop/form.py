@@ -13,7 +13,7 @@ It is made in :mod:`fuzzyarm.proof.loop.form_maker`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -115,6 +115,10 @@ class Form:
     def size(self) -> int:
         """How many states."""
         return len(self.names)
+
+    def is_same_loop(self, other: Form) -> bool:
+        """Tell whether another form differs in what it grants at most."""
+        return replace(self, evidence=None) == replace(other, evidence=None)
 
     @cached_property
     def system(self) -> System:

@@ -5,9 +5,11 @@ With V(z) = zᵀ P z and |wₖ| ≤ |vₖ|, vₖ = Cₖ z + Dₖ w, V falls alon
     V(A z + B w) − V(z) + Σ τₖ (vₖ² − wₖ²) < 0   for all (z, w) other than 0, τₖ ≥ 0,
 
 which is one linear matrix inequality in P and τ (S-procedure: the circle criterion where there is
-one block, sampled). {V ≤ 1} is where the loop is proved: it lies within the bounds of the form
-where gᵀ P⁻¹ g ≤ b² for each row |g z| ≤ b, another inequality that is linear in P. Among all P
-the one with the largest level set is looked for, by the linearised log det P.
+one block, sampled). With Y = [[P, 0], [0, τ]] and G = [[A, B], [C, D]] it is Y - Gᵀ Y G > 0: G is a
+contraction in the norm of Y. So is Gᵀ in that of Y⁻¹, which makes it linear in Q = P⁻¹ and 1/τ.
+{V ≤ 1} is where the loop is proved: it lies within the bounds of the form where gᵀ Q g ≤ b² for
+each row |g z| ≤ b. Among all Q the one with the largest level set is looked for, which has the
+largest log det Q: a concave function.
 
 Sources: H. K. Khalil, *Nonlinear Systems*, 3rd edition, Prentice Hall 2002, section 7.1; S. Boyd,
 L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System and Control
@@ -58,7 +60,7 @@ def candidate(
     include: Sequence[Sequence[Fraction]] = (),
     within: Sequence[tuple[Sequence[Fraction], Fraction]] = (),
     rate: float = 0.0,
-    rounds: int = 4,
+    enlarge: bool = True,
     stop: Stop | None = None,
 ) -> CertificateCandidate | None:
     """Return a Lyapunov function whose level set is large; None where none was found.
@@ -73,19 +75,19 @@ def candidate(
         Further rows g and limits: the region has to keep |g z| below them.
     rate : float
         Share by which V must fall in each period.
-    rounds : int
-        How often the volume is linearised.
+    enlarge : bool
+        Whether the largest is looked for, or any.
     stop : Stop, optional
         When to give up.
     """
     stop = stop or Stop()
-    a, b = floats(form.a), floats(form.b)
-    c = floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
+    n, m = form.size, len(form.blocks)
+    a, b = floats(form.a), floats(form.b).reshape(n, m)
+    c = floats(form.blocks).reshape(m, n + m)
     limited = [*((row, limit) for row, limit, _ in form.rows_within()), *within]
     rows = [np.array([float(x) for x in row]) / float(limit) for row, limit in limited if any(row)]
-    n, m = form.size, len(form.blocks)
     step = a if form.period else np.eye(n) + a / np.linalg.norm(a)
-    rows += box_rows(step, rows)
+    rows = [*rows, *box_rows(step, rows)] or list(np.eye(n))  # everywhere: any size will do
     try:
         with warnings.catch_warnings():
             # Ill-conditioning reported by SciPy does not matter: the checker judges the result.
@@ -97,34 +99,30 @@ def candidate(
         return None
     back = np.linalg.inv(first)  # z = back ẑ, so that V of the linear loop is near |ẑ|²
     a, b = first @ a @ back, first @ b
-    c = np.hstack([c[:, :n] @ back, c[:, n:]])
-    b, c, units = in_units(b, c, n)
-    limits = [row @ back for row in rows]
+    b, c, units = in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
+    points = np.array([first @ np.array([float(x) for x in z]) for z in include]).reshape(-1, n)
     basis = symmetric_basis(n)
-    falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
-    points = [first @ np.array([float(x) for x in z]) for z in include]
-    inequalities = [falls, _at_most(basis, m)]
-    if m:
-        inequalities.append(multipliers_within(len(basis), m))
-    if limits:
-        inequalities.append(_containing(np.array(limits), basis, m))
-    if points:
-        inequalities.append(_holding(np.array(points), basis, m))
-    if not limits:  # everywhere: V has no scale of its own
-        inequalities.append(_above_unit(basis, m))
-    begin = np.concatenate([coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
-    y = feasible_point(inequalities, begin, stop)
+    count = len(basis)
+    falls = _falling_dual(a, b, c, basis, rate, continuous=form.period == 0.0)
+    begin = np.concatenate([coordinates(np.eye(n) * 1.1), np.ones(m)])
+    y = feasible_point([falls, *_of_some_size(basis, m)], begin, stop)
     if y is None:
         return None
-    count = len(basis)
-    for _ in range(rounds):
-        weight = np.linalg.inv(np.tensordot(y[:count], basis, 1))
-        cost = np.concatenate([np.tensordot(basis, weight, 2), np.zeros(m)])
-        y = minimise(inequalities, cost, y, stop)
-    p = first.T @ np.tensordot(y[:count], basis, 1) @ first
-    taus = y[count:] / units**2
-    volume = -0.5 * float(np.linalg.slogdet(p)[1])
-    return CertificateCandidate(rationals(p), tuple(short(x) for x in taus), volume)
+    inside = _inside(np.array(rows) @ back, basis, m)
+    y *= 0.9 / float((1.0 - inside.at(y)).max())
+    inequalities = [falls, inside, *_multipliers(count, m)]
+    if len(points):
+        inequalities.append(_holding(points, basis, m))
+        y = feasible_point(inequalities, y, stop)
+        if y is None:
+            return None
+    if enlarge:
+        q = Inequality(np.zeros((1, n, n)), _padded(basis, m)[:, None])
+        y = minimise(inequalities, np.zeros(len(y)), y, stop, volume=q)
+    p = first.T @ np.linalg.inv(np.tensordot(y[:count], basis, 1)) @ first
+    taus = 1.0 / (y[count:] * units**2)
+    size = -0.5 * float(np.linalg.slogdet(p)[1])
+    return CertificateCandidate(rationals(p), tuple(short(x) for x in taus), size)
 
 
 def declining(
@@ -161,7 +159,7 @@ def declining(
     a, b = first @ a @ back, first @ b
     b, c, units = in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
     basis = symmetric_basis(n)
-    inequalities = [_falling(a, b, c, basis, 1.0 - growth**2, continuous=False)]
+    inequalities = [_falling(a, b, c, basis, 1.0 - growth**2)]
     if m:
         inequalities.append(multipliers_within(len(basis), m))
     begin = np.concatenate([coordinates(np.diag(np.sign(values))), np.full(m, 1e-2)])
@@ -174,8 +172,9 @@ def declining(
 
 
 def in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
-    """Return responses in units of their quantities, so that multipliers are of one size."""
-    units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
+    """Return responses as large as what they answer, so that multipliers are of one size."""
+    asked = np.maximum(np.linalg.norm(c[:, :n], axis=1), 1e-12)
+    units = np.sqrt(asked / np.maximum(np.linalg.norm(b, axis=0), 1e-12 * asked))
     c = c / units[:, None]
     c[:, n:] = c[:, n:] * units
     return b * units, c, units
@@ -261,71 +260,88 @@ def coordinates(p: Vector) -> Vector:
     return np.array([p[i, j] for i in range(len(p)) for j in range(i, len(p))])
 
 
-def _falling(
-    a: Vector, b: Vector, c: Vector, basis: Vector, rate: float, *, continuous: bool
-) -> Inequality:
+def _falling(a: Vector, b: Vector, c: Vector, basis: Vector, rate: float) -> Inequality:
     """Return the inequality for the decrease of V, in P and τ."""
     n, m = len(a), b.shape[1]
     move = np.hstack([a, b])
     stay = np.hstack([np.eye(n), np.zeros((n, m))])
-    parts = []
-    for element in basis:
-        if continuous:
-            half = stay.T @ element @ move
-            parts.append(-(half + half.T))
-        else:
-            parts.append((1.0 - rate) * stay.T @ element @ stay - move.T @ element @ move)
-    for k in range(m):
-        answer = np.zeros(n + m)
-        answer[n + k] = 1.0
-        parts.append(np.outer(answer, answer) - np.outer(c[k], c[k]))
-    values = np.array(parts)
-    # Small steps change V little: the scale of the decrease is factored out.
-    pace = np.linalg.norm(move - (0.0 if continuous else stay))
-    return Inequality(np.zeros((1, n + m, n + m)), values[:, None] / max(pace, 1e-9))
+    falls = (1.0 - rate) * stay.T @ basis @ stay - move.T @ basis @ move
+    return _of_steps([*falls, *_gaps(np.eye(n + m)[n:], c)], move - stay)
 
 
-def _containing(rows: Vector, basis: Vector, m: int) -> Inequality:
-    """Return ``[[P, g], [gᵀ, 1]] > 0`` for each row g: V ≤ 1 keeps |g z| below 1."""
-    count, n = rows.shape
-    constant = np.zeros((count, n + 1, n + 1))
-    constant[:, n, :n] = constant[:, :n, n] = rows
-    constant[:, n, n] = 1.0
-    parts = np.zeros((len(basis) + m, count, n + 1, n + 1))
-    parts[: len(basis), :, :n, :n] = basis[:, None]
-    return Inequality(constant, parts)
+def _falling_dual(
+    a: Vector, b: Vector, c: Vector, basis: Vector, rate: float, *, continuous: bool
+) -> Inequality:
+    """Return the same in Q and 1/τ, see the head of this module."""
+    n, m = len(a), b.shape[1]
+    move, stay = np.hstack([a, b]), np.eye(n + m)[:n]
+    after = np.vstack([move, c])
+    if not continuous:
+        after[:, :n] /= np.sqrt(1.0 - rate)
+    states, answers = after[:, :n], after[:, n:]
+    if continuous:
+        half = states @ basis @ stay
+        falls = -(half + half.swapaxes(1, 2))
+    else:
+        falls = stay.T @ basis @ stay - states @ basis @ states.T
+    every = [*falls, *_gaps(np.eye(n + m)[n:], answers.T)]
+    return _of_steps(every, move - (0.0 if continuous else stay))
+
+
+def _gaps(more: Vector, less: Vector) -> list[Vector]:
+    return [np.outer(x, x) - np.outer(y, y) for x, y in zip(more, less, strict=True)]
+
+
+def _of_steps(parts: Sequence[Vector], step: Vector) -> Inequality:
+    """Return an inequality without a constant; small steps change V little: their scale goes."""
+    scaled = np.array(parts) / max(float(np.linalg.norm(step)), 1e-9)
+    return Inequality(np.zeros((1, *scaled.shape[1:])), scaled[:, None])
+
+
+def _padded(parts: Vector, m: int) -> Vector:
+    """Return the parts of an inequality in which multipliers have none."""
+    return np.concatenate([parts, np.zeros((m, *parts.shape[1:]))])
+
+
+def _of_some_size(basis: Vector, m: int) -> list[Inequality]:
+    """Return 1 < Q < LARGEST, and ends of 1/τ: whether V can fall does not depend on its scale."""
+    unit = np.eye(basis.shape[1])[None]
+    parts = _padded(basis, m)[:, None]
+    bounds = [Inequality(-unit, parts), Inequality(LARGEST * unit, -parts)]
+    return [*bounds, *_multipliers(len(basis), m)]
+
+
+def _multipliers(count: int, m: int) -> list[Inequality]:
+    return [multipliers_within(count, m)] if m else []
+
+
+def _inside(rows: Vector, basis: Vector, m: int) -> Inequality:
+    """Return 1 - gᵀQg > 0 for each row g: V ≤ 1 keeps |g z| below 1."""
+    parts = -np.einsum("ri,kij,rj->kr", rows, basis, rows)
+    return Inequality(np.ones((len(rows), 1, 1)), _padded(parts[..., None, None], m))
 
 
 def _holding(points: Vector, basis: Vector, m: int) -> Inequality:
-    """Return 1 - zᵀPz > 0 for each point: V ≤ 1 holds it, with a little to spare."""
-    parts = np.zeros((len(basis) + m, len(points), 1, 1))
-    parts[: len(basis), :, 0, 0] = -np.einsum("ri,kij,rj->kr", points, basis, points)
-    return Inequality(np.full((len(points), 1, 1), 1.0 - 1e-7), parts)
-
-
-def _above_unit(basis: Vector, m: int) -> Inequality:
-    n = basis.shape[1]
-    return Inequality(-np.eye(n)[None], np.concatenate([basis, np.zeros((m, n, n))])[:, None])
+    """Return ``[[Q, z], [zᵀ, 1]] > 0`` for each point: V ≤ 1 holds it, with a little to spare."""
+    count, n = points.shape
+    constant = np.zeros((count, n + 1, n + 1))
+    constant[:, n, :n] = constant[:, :n, n] = points
+    constant[:, n, n] = 1.0 - 1e-7
+    parts = np.zeros((len(basis), *constant.shape))
+    parts[:, :, :n, :n] = basis[:, None]
+    return Inequality(constant, _padded(parts, m))
 
 
 LARGEST = 1e4
 """P and τ where V of the linear loop is about 1: without an end the search would run away."""
 
 
-def _at_most(basis: Vector, m: int) -> Inequality:
-    """Return P < LARGEST."""
-    n = basis.shape[1]
-    parts = np.concatenate([-basis, np.zeros((m, n, n))])
-    return Inequality(LARGEST * np.eye(n)[None], parts[:, None])
-
-
 def multipliers_within(count: int, m: int) -> Inequality:
-    """Return τ > 0 and τ < LARGEST."""
+    """Return 0 < τ < LARGEST of the unknowns after some."""
     parts = np.zeros((count + m, 2 * m, 1, 1))
     parts[count:, :m, 0, 0] = np.eye(m)
     parts[count:, m:, 0, 0] = -np.eye(m)
-    constant = np.zeros((2 * m, 1, 1))
-    constant[m:] = LARGEST
+    constant = np.repeat([0.0, LARGEST], m)[:, None, None]
     return Inequality(constant, parts)
 
 

@@ -5,8 +5,9 @@
 by a barrier method: Newton's steps on t c·y − Σ log det F(y), t growing; and before that the same
 for the least s with F(y) + s I > 0, until s is below 0.
 
-Source: S. Boyd, L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System
-and Control Theory*, SIAM 1994, sections 2.4 and 2.5.
+Sources: S. Boyd, L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System
+and Control Theory*, SIAM 1994, sections 2.4 and 2.5; S. Boyd and L. Vandenberghe, *Convex
+Optimization*, Cambridge 2004, sections 11.3 (paths) and 11.6 (line searches).
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,31 +60,45 @@ class Inequality:
         """Their Fᵢ."""
         return np.ascontiguousarray(self.parts[self.places])
 
+    @property
+    def widened(self) -> Inequality:
+        """F₀ + Σ yᵢ Fᵢ + s I > 0, of one more unknown s."""
+        unit = np.broadcast_to(np.eye(self.constant.shape[1]), (1, *self.constant.shape))
+        return Inequality(self.constant, np.concatenate([self.parts, unit]))
+
+    @cached_property
+    def block(self) -> tuple[NDArray[np.int64], ...]:
+        """Their rows and columns in a Hessian."""
+        return np.ix_(self.places, self.places)
+
+
+def merged(inequalities: Sequence[Inequality]) -> list[Inequality]:
+    """Return the same inequalities, those of numbers or of the same unknowns in one."""
+    alike: dict[object, list[Inequality]] = {}
+    for inequality in inequalities:
+        size = inequality.constant.shape[1]
+        key = (size, inequality.places.tobytes()) if size > 1 else 1
+        alike.setdefault(key, []).append(inequality)
+    return [
+        Inequality(
+            np.concatenate([x.constant for x in same]), np.concatenate([x.parts for x in same], 1)
+        )
+        for same in alike.values()
+    ]
+
 
 def feasible_point(
     inequalities: Sequence[Inequality], start: Vector, stop: Stop, *, rounds: int = 8
 ) -> Vector | None:
     """Return a point at which all inequalities hold; None where none was found in time."""
-    widened = [
-        Inequality(
-            inequality.constant,
-            np.concatenate(
-                [
-                    inequality.parts,
-                    np.broadcast_to(
-                        np.eye(inequality.constant.shape[1]), (1, *inequality.constant.shape)
-                    ),
-                ]
-            ),
-        )
-        for inequality in inequalities
-    ]
     lowest = min(
         float(np.linalg.eigvalsh(inequality.at(start)).min()) for inequality in inequalities
     )
-    y = np.append(start, max(1.0, 1.5 * -lowest) if lowest <= 0.0 else 0.0)
     if lowest > 0.0:
         return start
+    inequalities = merged(inequalities)
+    widened = [inequality.widened for inequality in inequalities]
+    y = np.append(start, max(1.0, -1.5 * lowest))
     cost = np.zeros(len(y))
     cost[-1] = 1.0
     size = sum(inequality.size for inequality in inequalities)
@@ -93,15 +107,13 @@ def feasible_point(
             if stop.now:
                 return None
             y, decrement = _newton(widened, cost * weight, y)
-            if y[-1] < 0.0 and all(
-                _is_positive(inequality.at(y[:-1])) for inequality in inequalities
-            ):
+            if y[-1] < 0.0 and _is_inside(inequalities, y[:-1]):
                 return y[:-1]
-            if decrement < 1e-2 or not np.isfinite(y).all():
+            # Near the path, s is above the least s by no more than this.
+            if decrement < 0.5 and y[-1] > (size + decrement * math.sqrt(size)) / weight:
+                return None
+            if decrement < 0.1 or not np.isfinite(y).all():
                 break
-        # Where the steps have come to rest the least s is within size / weight of this one.
-        if decrement < 1e-2 and y[-1] > 2.0 * size / weight:
-            return None
     return None
 
 
@@ -115,79 +127,99 @@ def minimise(
     start: Vector,
     stop: Stop,
     *,
+    volume: Inequality | None = None,
     accuracy: float = 1e-3,
 ) -> Vector:
-    """Return a point at which the cost is nearly least, or the best one in time, inside them."""
+    """Return a point at which the cost is nearly least, or the best one in time, inside them.
+
+    Parameters
+    ----------
+    inequalities : sequence of Inequality
+        Which hold at the start.
+    cost : ndarray
+        c.
+    start : ndarray
+        Where to begin.
+    stop : Stop
+        When to give up.
+    volume : Inequality, optional
+        The logarithm of its determinant is subtracted from the cost.
+    accuracy : float
+        As a share of the cost; of that logarithm for each of its rows.
+    """
     size = sum(inequality.size for inequality in inequalities)
-    y = start
+    inequalities, y = merged(inequalities), start
     scale = abs(float(cost @ start)) or 1.0
     weight = 0.1 * size / scale  # less would lead back to the middle
-    while True:
-        for _ in range(4):
+    while weight * scale <= 1e12:
+        for _ in range(STEPS):
             if stop.now:
                 return y
-            y, decrement = _newton(inequalities, cost * weight, y)
-            if decrement < 1e-2:
+            y, decrement = _newton(inequalities, cost * weight, y, volume, weight)
+            if decrement < 0.1:
                 break
-        if size / weight < accuracy * abs(float(cost @ y)):
-            return y
+        if size / weight < accuracy * (volume.size if volume else abs(float(cost @ y))):
+            break
         weight *= 4.0
-        if weight * scale > 1e12:
-            return y
+    return y
 
 
-def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tuple[Vector, float]:
+def _newton(
+    inequalities: Sequence[Inequality],
+    cost: Vector,
+    y: Vector,
+    volume: Inequality | None = None,
+    weight: float = 1.0,
+) -> tuple[Vector, float]:
     """Return the next point of Newton's method on the barrier, and the decrement."""
     gradient, hessian = cost.copy(), np.zeros((len(y), len(y)))
-    here = float(cost @ y)
-    for inequality in inequalities:
-        root = np.linalg.cholesky(inequality.at(y))
-        here -= _logarithm(root)
-        half: Vector = np.linalg.inv(root)
-        places = inequality.places
-        scaled = half @ inequality.counted @ half.swapaxes(1, 2)  # (k, r, n, n)
-        flat = scaled.reshape(len(places), inequality.constant.size)
-        gradient[places] -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
-        hessian[np.ix_(places, places)] += flat @ flat.T
+    scaled = []
+    weighted = [(inequality, 1.0) for inequality in inequalities]
+    weighted += [(volume, weight)] if volume else []
+    for inequality, times in weighted:
+        half: Vector = np.linalg.inv(np.linalg.cholesky(inequality.at(y)))
+        parts = half @ inequality.counted @ half.swapaxes(1, 2)  # (k, r, n, n)
+        flat = parts.reshape(len(parts), -1)
+        gradient[inequality.places] -= times * np.einsum("krii->k", parts)
+        hessian[inequality.block] += times * (flat @ flat.T)
+        scaled.append(flat)
     # Multipliers differ by many orders of magnitude: each coordinate in units of its curvature.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
     scaled_hessian = hessian * unit * unit[:, None] + 1e-13 * np.eye(len(y))
     way = -unit * np.linalg.solve(scaled_hessian, unit * gradient)
-    decrement = float(math.sqrt(max(0.0, -float(gradient @ way))))
-    step = 1.0 if decrement < 0.25 else 1.0 / (1.0 + decrement)
-    # Damped steps stay inside by theory, longer ones are tried first.
-    for factor in (1.0, 0.5, 0.25, step):
-        near = y + factor * way
-        if _barrier(inequalities, cost, near) <= here:
+    decrement = math.sqrt(max(0.0, -float(gradient @ way)))
+    # F(y + α way) has the determinant of F(y) times all 1 + α λ.
+    values = [
+        np.linalg.eigvalsh((way[x.places] @ flat).reshape(x.constant.shape)).ravel()
+        for (x, _), flat in zip(weighted, scaled, strict=True)
+    ]
+    shares = [np.full(len(x), times) for x, (_, times) in zip(values, weighted, strict=True)]
+    step = _step(float(cost @ way), np.concatenate(values), np.concatenate(shares))
+    while step > 1e-12:
+        near = y + step * way
+        if _is_inside(inequalities, near):
             return near, decrement
-    shrunk = 0.5 * step
-    while shrunk > 1e-12:
-        near = y + shrunk * way
-        if _barrier(inequalities, cost, near) < math.inf:
-            return near, decrement
-        shrunk *= 0.5
+        step *= 0.5
     return y, 0.0
 
 
-def _barrier(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> float:
-    """Return the cost less the logarithms of the determinants; infinite outside."""
-    total = float(cost @ y)
-    for inequality in inequalities:
-        try:
-            total -= _logarithm(np.linalg.cholesky(inequality.at(y)))
-        except np.linalg.LinAlgError:
-            return math.inf
-    return total if math.isfinite(total) else math.inf
+SHARES_OF_REACH = np.concatenate([1.0 - 0.5 ** np.arange(1.0, 8.0), 0.5 ** np.arange(2.0, 24.0)])
+"""Of the way to where some inequality fails, the steps that are tried."""
 
 
-def _logarithm(factors: NDArray[np.floating[Any]]) -> float:
-    """Return the logarithm of the determinants of matrices, by their triangular factors."""
-    return 2.0 * float(np.log(np.diagonal(factors, axis1=1, axis2=2)).sum())
+def _step(slope: float, values: Vector, weights: Vector) -> float:
+    """Return α with the least α · slope − Σ ω log(1 + α λ), of some: the barrier along a line."""
+    reach = 1.0 / max(-float(values.min()), 1e-6)
+    steps = np.append(reach * SHARES_OF_REACH, 1.0 if reach > 1.0 else 0.5 * reach)
+    costs = steps * slope - np.log1p(steps[:, None] * values) @ weights
+    return float(steps[np.argmin(costs)])
 
 
-def _is_positive(matrix: Vector) -> bool:
+def _is_inside(inequalities: Sequence[Inequality], y: Vector) -> bool:
+    """Whether all inequalities hold at a point."""
     try:
-        np.linalg.cholesky(matrix)
+        for inequality in inequalities:
+            np.linalg.cholesky(inequality.at(y))
     except np.linalg.LinAlgError:
         return False
-    return True
+    return bool(np.isfinite(y).all())

@@ -209,7 +209,7 @@ class _Search:
             form = self._form(Assumptions(SHARES[-1], self.grips[0], box, along))
             if isinstance(form, str):
                 reason = reason or form
-            elif candidate(form, rounds=0, stop=self.stop) is not None:
+            elif candidate(form, enlarge=False, stop=self.stop) is not None:
                 return ""
             else:
                 reason = "no quadratic function was found that falls, not even next to rest"
@@ -287,10 +287,18 @@ class _Search:
     def _boxes_of(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
         """Yield proposals for one share: limits are not reached, then they are, more and more."""
         best = -math.inf
+        last: Form | None = None
         for grip in (*self.grips, *(() if self.maker.fixed else GRIPS[1:])):
             if self.stop.now:  # slopes of rules that are not pieces take long
                 return
-            shape = self._shape(share, along, grip)
+            form = self._form(Assumptions(share, grip, _tiny_box(self.maker, 1024), along))
+            if isinstance(form, str):
+                yield form
+                return
+            if last is not None and form.is_same_loop(last):  # limits leave more than this share
+                return
+            last = form
+            shape = self._shape(form)
             if isinstance(shape, str):
                 yield shape
                 return
@@ -302,13 +310,8 @@ class _Search:
             if best <= before or self.stop.now:  # limits that may be reached help no more
                 return
 
-    def _shape(self, share: Fraction, along: bool, grip: Fraction) -> dict[str, float] | str:
+    def _shape(self, form: Form) -> dict[str, float] | str:
         """Return the half-axes of the region of the loop with the plant nearly linear."""
-        maker = self.maker
-        box = _tiny_box(maker, 1024)
-        form = self._form(Assumptions(share, grip, box, along))
-        if isinstance(form, str):
-            return form
         free = replace(
             form,
             bounds=tuple(b for b in form.bounds if not b.words.startswith("the box of")),

@@ -21,6 +21,7 @@ from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.control.loop.run import Run
+from fuzzyarm.inference.threads import one_thread
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.check.certificate import (
@@ -263,7 +264,7 @@ class _Case:
     def verdict(self) -> LoopVerdict:
         """Judge the claim, within the time that there is."""
         self.stop.say(0)
-        with self.stop:
+        with self.stop, one_thread():
             return self._judgement()
 
     def _judgement(self) -> LoopVerdict:

@@ -31,6 +31,8 @@ from fuzzyarm.proof.map.pieces import Cut, PieceGrid, cut
 from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
 from fuzzyarm.proof.map.surface import Surface
 
+ZERO = Fraction(0)
+
 Form = Mapping[str, float | Fraction]
 """Weights of the inputs in a sum."""
 
@@ -110,14 +112,22 @@ def sector(
     prover.demand_pieces("sectors")
     region = dict(region or {})
     values = _fixed_inputs(prover, weights, region)
-    exact = (prover if prover.exact else prover.in_rationals()).with_fixed(values)
+    prover = prover.with_fixed(values)
+    exact = prover if prover.exact else prover.in_rationals()
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
     box = exact.box({name: span for name, span in region.items() if name in exact.names})
     exact.demand_inside_range("sectors", box)
-    silent = _silent(exact, region)
+    silent = _silent(prover, {name: region[name] for name in exact.names if name in region})
     if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
-    slack = _slack(exact, QuotientProblem(box, lambda surface: surface.over_form(form), form=form))
+    made: dict[Fraction, Quotients] = {}
+
+    def over(surface: Surface, more: Fraction) -> Quotients:
+        if more not in made:  # `exact` has one surface for all of these questions
+            made[more] = surface.over_form(form, more)
+        return made[more]
+
+    slack = _slack(exact, QuotientProblem(box, lambda surface: over(surface, ZERO), form=form))
     # The tolerance is one of u; u / σ is sought to that over the largest |σ|.
     far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
     share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
@@ -125,7 +135,7 @@ def sector(
     def side(sign: int) -> Bounds:
         def make(surface: Surface) -> Quotients:
             # Within the slack u counts as inside: k₁ is that of u + slack, k₂ that of u − slack.
-            quotients = surface.over_form(form, -sign * slack)
+            quotients = over(surface, -sign * slack)
             return quotients if sign > 0 else quotients.negated()
 
         return exact.bounds_of(QuotientProblem(box, make, form=form), both=False, share=share)

@@ -342,7 +342,10 @@ class Surface:
         ratio = np.divide(off_upper, off_lower, out=np.zeros_like(off_upper), where=off_lower > 0)
         # One ratio of both errors serves all pieces; the error of D is raised where it is too
         # small.
-        reach = float(np.median(ratio[ratio > 0])) if (ratio > 0).any() else 1.0
+        some = np.sort(ratio[ratio > 0])  # its median; `np.median` would load numpy.ma
+        reach = (
+            float(0.5 * (some[(some.size - 1) // 2] + some[some.size // 2])) if some.size else 1.0
+        )
         error = np.maximum(off_lower, off_upper / reach)
         errors = np.repeat(error[:, None], lower.shape[1], axis=1)
         errors[flat] = 0.0
