@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import fuzzyarm
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.plant import find_plant
-from fuzzyarm.proof.check import Checked, check_certificate, write_certificate
+from fuzzyarm.proof.check import Checked, check_certificate, checking, write_certificate
 from fuzzyarm.proof.check.certificate import sealed
 from fuzzyarm.proof.loop import MapSearch, StartMap, map_starts, read_claim
 
@@ -90,6 +93,25 @@ def test_what_is_proved_is_what_the_checker_follows(made: tuple[Path, Any]) -> N
                for x in (*box.low, *box.high))  # fmt: skip
 
 
+@given(st.lists(st.tuples(st.integers(-8, 24), st.integers(0, 16), st.integers(-1, 1)), min_size=1))
+def test_the_share_of_a_window_is_exact_and_never_rounded_up(
+    rows: list[tuple[int, int, int]],
+) -> None:
+    tiny = Fraction(1, 10**10)  # less than a printed tenth of a per cent by far
+    boxes = [(Fraction(k, 16), Fraction(k + n, 16) + sign * tiny) for k, n, sign in rows]
+    boxes = [(low, max(low, high)) for low, high in boxes]
+    total, reached = Fraction(0), Fraction(0)
+    for low, high in sorted(boxes):
+        total += max(Fraction(0), min(high, Fraction(1)) - max(low, reached))
+        reached = max(reached, high)
+    low, high = (np.array([[box[k]] for box in boxes], dtype=object) for k in (0, 1))
+    with pytest.MonkeyPatch.context() as patch:
+        assert checking._share_of(low, high, {"x": (0.0, 1.0)}) == total
+        patch.setattr(checking, "MOST_EXACT_CELLS", 0)  # by floats
+        assert total * (1 - Fraction(1, 10**8)) <= checking._share_of(
+            low, high, {"x": (0.0, 1.0)}) <= total  # fmt: skip
+
+
 def demand_true(again: Checked) -> None:
     """Of what is accepted: each box is one of starts that come back."""
     assert len(again.certificate.claim.start) == 0
@@ -101,7 +123,7 @@ def demand_true(again: Checked) -> None:
         max(0.0, min(float(b), high) - max(float(a), low))
         for ((a, b),) in (tube.box for tube in again.certificate.tubes)
     ]
-    assert again.coverage <= sum(inside) / (high - low) + 1e-9
+    assert again.coverage <= sum(inside) / (high - low) + 1e-12
 
 
 def places(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:

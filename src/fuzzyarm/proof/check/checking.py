@@ -47,6 +47,9 @@ PROVED, UNDECIDED = "proved", "undecided"
 MOST_CELLS = 1 << 26
 """Cells into which the sides of all boxes of a map cut its window."""
 
+MOST_EXACT_CELLS = 1 << 16
+"""As many are added up as rationals; of more a share is rounded down by floats."""
+
 OF_REGIONS = (
     "V = z'Pz falls in each control period for all gains between the proved ones (Lyapunov,"
     " S-procedure), so that no run leaves V <= 1 and all go to rest"
@@ -243,7 +246,8 @@ def check_certificate(
     return replace(
         checked, statement=statement, loop=proof.loop,
         files={**certificate.fingerprints, **plant_files(plant)},
-        theorems=proof.theorems, boxes=len(certificate.tubes), coverage=proof.coverage,
+        theorems=proof.theorems, boxes=len(certificate.tubes),
+        coverage=float_below(exact(proof.coverage)),
         seconds=time.monotonic() - begun, proof=proof,
         **proof.facts,
     )  # fmt: skip
@@ -303,7 +307,7 @@ class CheckedProof:
         self.surfaces = surfaces
         regions, tubes = certificate.regions, certificate.tubes
         self.facts: dict[str, Any] = {}
-        self.coverage = _coverage(problem, certificate) if certificate.window else 0.0
+        self.coverage = _coverage(problem, certificate) if certificate.window else Fraction(0)
         if tubes and not (self.claim.start or self.claim.output or certificate.window):
             raise LoopProofError("it has tubes, and claims nothing of starts")
         if not tubes:
@@ -422,13 +426,12 @@ def coverage_words(certificate: Certificate, proof: CheckedProof) -> str:
     )
     count = len(certificate.tubes)
     boxes = f"{count} box{'es' * (count != 1)}"
-    # Rounded down, except for a rounding; but 100 % is all of it.
-    share = 100 if coverage == 1.0 else min(math.floor(coverage * 1000.0 + 1e-5) / 10.0, 99.9)
+    share = math.floor(coverage * 1000) / 10  # rounded down: 100 % is all of it
     begun = f", the other states at {others}," * bool(others)
     return f"from {share:g} % of {window} ({boxes}){begun} every run comes to rest"
 
 
-def _coverage(problem: LoopProblem, certificate: Certificate) -> float:
+def _coverage(problem: LoopProblem, certificate: Certificate) -> Fraction:
     """Return which share of its window the boxes of a map are, rounded down."""
     claim, window = certificate.claim, {name: (a, b) for name, a, b in certificate.window}
     if claim.start or claim.output or len(window) < len(certificate.window):
@@ -447,11 +450,11 @@ def _coverage(problem: LoopProblem, certificate: Certificate) -> float:
             lows.append([box[name][0] for name in window])
             highs.append([box[name][1] for name in window])
     if not lows:
-        return 0.0
+        return Fraction(0)
     return _share_of(np.array(lows, dtype=object), np.array(highs, dtype=object), window)
 
 
-def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) -> float:
+def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) -> Fraction:
     """Return which share of a window is in the union of boxes, rounded down: cells are counted."""
     places, lengths = [], []
     for axis, (low, high) in enumerate(window.values()):
@@ -462,18 +465,25 @@ def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) 
         places.append([
             [place[min(max(x, first), last)] for x in side[:, axis]] for side in (lows, highs)
         ])  # fmt: skip
-        lengths.append(np.array([float((b - a) / (last - first)) for a, b in pairwise(cuts)]))
+        lengths.append([(b - a) / (last - first) for a, b in pairwise(cuts)])
     if math.prod(map(len, lengths)) > MOST_CELLS:
         raise LoopProofError("its boxes make too fine a grid")
     inside = np.zeros(tuple(map(len, lengths)), dtype=bool)
     for row in range(len(lows)):
         inside[tuple(slice(begin[row], end[row]) for begin, end in places)] = True
     if inside.all():
-        return 1.0
-    share = inside.astype(float)
+        return Fraction(1)
+    if inside.size <= MOST_EXACT_CELLS:
+        return Fraction(_weighed(inside.astype(object), lengths))
+    share = float(_weighed(inside.astype(float), [list(map(float, axis)) for axis in lengths]))
+    return Fraction(max(0.0, share * (1.0 - 1e-9)))
+
+
+def _weighed(cells: Any, lengths: Sequence[Sequence[Any]]) -> Any:
+    """Return the sum of cells, each times its lengths."""
     for length in reversed(lengths):
-        share = share @ length
-    return max(0.0, float(share) * (1.0 - 1e-9))
+        cells = cells @ np.array(length)
+    return cells
 
 
 def _controller(certificate: Certificate) -> ControllerText:
