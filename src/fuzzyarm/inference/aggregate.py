@@ -15,7 +15,7 @@ from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.symbolic.lines import sampled_degrees
 from fuzzyarm.symbolic.records import emptied_with_kinds
 
-# --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
+# --- The sample points of a defuzzifier, in plain Python and over arrays alike ---
 
 
 def positions(low: float, high: float, count: int, sampling: str) -> list[float]:
@@ -95,7 +95,7 @@ class SampledSet(NamedTuple):
     heights: tuple[float, ...]
 
     def over(self, count: int) -> tuple[float, ...]:
-        """Return a height for each of so many samples."""
+        """Return the heights at all `count` samples."""
         behind = count - self.first - len(self.heights)
         return (*[0.0] * self.first, *self.heights, *[0.0] * behind)
 
@@ -130,7 +130,7 @@ emptied_with_kinds(sampled_set.cache_clear)
 
 
 def sample_positions(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
-    """Return where a sampled defuzzifier looks."""
+    """Return the sample points of a sampled defuzzifier."""
     assert defuzzifier.resolution is not None
     return positions(low, high, defuzzifier.resolution, defuzzifier.sampling)
 

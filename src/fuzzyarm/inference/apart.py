@@ -1,6 +1,6 @@
-"""How far the outputs of two rule bases are apart, and where: found by search.
+"""The greatest difference between the outputs of two rule bases, and its point: by search.
 
-`fuzzyarm.proof.map.difference` proves what they nowhere exceed, where both are exact. The points of
+`fuzzyarm.proof.map.difference` proves an upper bound, where both are exact. The points of
 the search are the corners of all terms, points beside and between them, and points
 spread evenly; from the best of them it goes on, along the axes, in ever smaller steps.
 """
@@ -44,16 +44,16 @@ class UnlikeRuleBasesError(FuzzyarmError, ValueError):
 @json_properties("output worst at before after rms points missing proved")
 @dataclass(frozen=True, slots=True)
 class Apart:
-    """How far an output is apart in two rule bases.
+    """The difference of an output between two rule bases.
 
     Attributes
     ----------
     output : str
         Its name in the second one.
     worst : float
-        The greatest magnitude of the difference that was found.
+        Greatest magnitude found.
     at : dict of str to float
-        Where, by the names of the second rule base.
+        Its point, by the names of the second rule base.
     before, after : float
         Both values there.
     rms : float
@@ -61,9 +61,9 @@ class Apart:
     points : int
         Points of the search.
     missing : dict of str to float or None
-        A point at which only one of both has a value.
+        A point at which only one of them has a value.
     proved : float or None
-        What the difference nowhere exceeds; None if that is not proved.
+        Proved upper bound of the magnitude; None without a proof.
     """
 
     output: str
@@ -78,7 +78,7 @@ class Apart:
 
 
 def apart(before: RuleBase, after: RuleBase) -> tuple[Apart, ...]:
-    """Return how far each output is apart.
+    """Return the greatest difference of each output.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ class _Search:
     def _corners(self) -> Array:
         """Return points at corners of terms, beside and between them."""
         each = AT_CORNERS ** (1.0 / len(self.inputs))
-        if each < 2.0:  # of many inputs there are too many corners
+        if each < 2.0:  # many inputs have too many corners
             return np.stack([self.low, 0.5 * self.low + 0.5 * self.high, self.high])
         axes = []
         for pair, low, high in zip(self.inputs, self.low, self.high, strict=True):
@@ -168,7 +168,7 @@ class _Search:
         return np.array(list(product(*axes)), float)
 
     def _climbed(self, starts: Array, number: int) -> tuple[Array, float, int]:
-        """Return the point of the greatest gap near some, the gap, and how many were asked."""
+        """Return the point of the greatest gap near the starts, the gap, and the evaluations."""
         size = self._gap_at(starts, number)
         step = np.tile((self.high - self.low) / 8.0, (len(starts), 1))
         count, asked = len(self.inputs), 0
@@ -191,7 +191,7 @@ class _Search:
 
 
 def _gap(one: Array, two: Array) -> Array:
-    """Return magnitudes of differences, 0 where one has no value."""
+    """Return magnitudes of differences, 0 without a value in one of them."""
     with np.errstate(invalid="ignore"):
         return np.nan_to_num(np.abs(two - one), nan=0.0)
 
@@ -200,7 +200,7 @@ _Side = TypeVar("_Side", Input, Output)
 
 
 def paired(one: Sequence[_Side], two: Sequence[_Side], what: str) -> list[tuple[_Side, _Side]]:
-    """Return the variables that correspond, of the second one in order: by name, or in order."""
+    """Return corresponding variables, in the order of the second: by name, else by position."""
     if len(one) != len(two):
         raise UnlikeRuleBasesError(f"one has {len(one)} {what}s, the other {len(two)}")
     by_name = {variable.name: variable for variable in one}
@@ -210,7 +210,7 @@ def paired(one: Sequence[_Side], two: Sequence[_Side], what: str) -> list[tuple[
 
 
 def _corners_of(pair: Sequence[Input], low: float, high: float) -> Iterator[float]:
-    """Yield the corners of the terms of two variables, and of curves their numbers."""
+    """Yield the corners of the terms of two variables; for curves their parameters."""
     for term in (term for variable in pair for term in variable.terms):
         for shape in (term.shape, term.lower):
             if shape is None:

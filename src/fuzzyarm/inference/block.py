@@ -1,7 +1,7 @@
 """The block: the numbers of a rule base in the memory from which the kernel reads them.
 
-Everything is in one array of floats, so that a single array is handed over; parts of
-it are read as whole numbers. In the order of memory:
+Everything is in one array of floats, the only argument of a kernel; parts of it are read as whole
+numbers. In the order of memory:
 
 ====================  =======================================================================
 whole numbers ``k``   head (below), inputs, outputs, programs; row functions by address
@@ -116,7 +116,7 @@ FAILED = -1
 
 
 class NotCoveredError(Exception):
-    """The kernel does not cover this; the message names it."""
+    """A feature that the kernel does not cover; the message names it."""
 
 
 class Layout(NamedTuple):
@@ -127,13 +127,13 @@ class Layout(NamedTuple):
     whole, floats : list
         Input of the kernel.
     programs : int
-        How many cells of all inputs together there are.
+        Number of combinations of the inputs' cells.
     rows, samples : int
-        How many rows the kernel works in, and how long the row of samples has to be.
+        Number of work rows, and length of the row of samples.
     marks : tuple of TermNumbers
-        Of a loose layout: positions of each term's numbers.
+        Of an editable layout: positions of each term's numbers.
     searches : tuple
-        Of the interpreted kernel: plain Python that it calls, alive as long as the layout is.
+        Of the interpreted kernel: the plain Python that it calls, kept alive by the layout.
     """
 
     whole: list[int]
@@ -146,7 +146,7 @@ class Layout(NamedTuple):
 
 
 class TermNumbers(NamedTuple):
-    """Positions of a term's numbers in a loose layout.
+    """Positions of a term's numbers in an editable layout.
 
     Attributes
     ----------
@@ -154,14 +154,13 @@ class TermNumbers(NamedTuple):
         ``curve`` (the numbers of its row function), ``pieces`` (four floats each), ``samples``
         (a degree for each position) or ``value``.
     variable, term : str
-        The term; as it is, without hedges.
+        The term, without hedges.
     row : int
-        Of a curve the row that its degrees are written to; of pieces where in the whole numbers
-        their count is.
+        Of a curve the row of its degrees; of pieces the index of their count in the whole numbers.
     floats, capacity : int
-        Where its numbers begin, and for how many there is room.
+        Index of its first number, and the room there.
     scaled : bool
-        Of a set: whether its rules scale it rather than cut it.
+        Of a set: whether its rules scale it instead of clipping it.
     """
 
     sort: str
@@ -174,7 +173,7 @@ class TermNumbers(NamedTuple):
 
 
 class PointBlock(NamedTuple):
-    """The numbers with room for some points, in memory that needs no array library.
+    """A block with room for some points, in memory that needs no array library.
 
     Attributes
     ----------
@@ -183,7 +182,7 @@ class PointBlock(NamedTuple):
     whole : memoryview of int64
         The same memory as whole numbers.
     columns, results : int
-        Where inputs and outputs begin: a row for each, of ``whole[WIDTH]`` numbers.
+        First index of inputs and outputs: a row for each, of ``whole[WIDTH]`` numbers.
     searches : tuple
         Those of the layout: the numbers name them, so they live as long as the block.
     """
@@ -201,10 +200,10 @@ the cache, and a program works in more rows at once than a line has places."""
 
 
 def make_block(layout: Layout, points: int) -> PointBlock:
-    """Give the numbers of a rule base room for so many points."""
+    """Give the numbers of a rule base room for `points` points."""
     inputs, outputs = layout.whole[INPUTS], layout.whole[OUTPUTS]
     width = points if points == 1 else points + GAP
-    # In the order of memory: each name is where the next part begins.
+    # In the order of memory: each name is the first index of the next part.
     lengths = {
         FLOATS: len(layout.whole),
         SCRATCH: len(layout.floats),

@@ -1,9 +1,8 @@
 """An input as the cells of the kernel.
 
-Between two corners every straight term is one line, so a cell lists the lines that are not
-zero there. A corner that belongs to the set, where the line on its right does not (a vertical edge,
-a peak that the line misses by its rounding), gets a cell of its own, as narrow as floats are. Even
-buckets lead from a value to its cell.
+Between two corners every straight term is one line, so a cell lists its nonzero lines. A corner at
+which the line on its right has another degree (a vertical edge, a peak missed by rounding) gets a
+cell of its own, one float wide. Even buckets lead from a value to its cell.
 """
 
 from __future__ import annotations
@@ -20,20 +19,19 @@ from fuzzyarm.symbolic.lines import StraightLine, StraightShape
 
 
 class Partition(NamedTuple):
-    """A variable cut at corners; terms are known by their number.
+    """A variable cut at corners; terms are numbered.
 
     Attributes
     ----------
     edges : list of float
         The corners, ascending.
     cells : list of dict of int to StraightLine
-        In front of the first edge, between two of them, behind the last: the lines that are not
-        zero there.
+        Before the first edge, between neighbours, after the last: the nonzero lines.
     at : list of dict of int to float
-        At each edge: the degrees that are not zero.
+        At each edge: the nonzero degrees.
     apart : set of float
-        Edges at which a line on their right has not the degree: vertical edges, and peaks that
-        a line misses by its rounding.
+        Edges at which a line on their right has another degree: vertical edges, and peaks missed by
+        rounding.
     """
 
     edges: list[float]
@@ -75,7 +73,7 @@ FINENESS = 8
 
 
 class InputCells(NamedTuple):
-    """An input, cut up.
+    """The cells of an input.
 
     Attributes
     ----------
@@ -83,11 +81,11 @@ class InputCells(NamedTuple):
         Ascending; cell i reaches from edge i up to, but not at, edge i + 1. The first and
         the last are infinite.
     lines : tuple of dict of int to StraightLine
-        For each cell, the propositions that are not zero there, by their number.
+        For each cell its nonzero propositions, by their number.
     first, scale : float
-        ``int((x − first) scale)`` is the bucket of x, brought into 0 … buckets − 1.
+        ``int((x − first) scale)`` is the bucket of x, clamped to 0 … buckets − 1.
     starts : tuple of int
-        The cell where to begin to look, for each bucket.
+        First cell of the search, for each bucket.
     """
 
     edges: tuple[float, ...]
@@ -111,9 +109,9 @@ def cut_into_cells(
             }
             parts = [(edge, constants), (math.nextafter(edge, math.inf), cell)]
         for start, lines_here in parts:
-            # Values in front of the range do not occur; a corner may be the next float
-            # another that has a cell of its own. The end of the range has one where the lines in
-            # front of it would round otherwise there.
+            # Inputs are in the range. A corner may be the next float after another one with a cell
+            # of its own. The end of the range has such a cell where the lines before it round to
+            # another degree.
             if start <= low or start == edges[-1]:
                 lines[-1] = lines_here
             elif start < high or (start == high and not _reaches(lines[-1], degrees, high)):
@@ -133,27 +131,27 @@ def _lag(shares: list[float], count: int) -> float:
 
 
 def _reaches(lines: dict[int, StraightLine], degrees: dict[int, float], x: float) -> bool:
-    """Tell whether lines have just these degrees at a position."""
+    """Return whether lines have exactly these degrees at a position."""
     values = {number: degree for number, line in lines.items() if (degree := line.at(x)) != 0.0}
     return values == {number: degree for number, degree in degrees.items() if degree != 0.0}
 
 
 def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:
-    """Return the even buckets that need the fewest steps from there to the cell."""
+    """Return the even buckets with the fewest steps from their first cell to the right one."""
     inner = edges[1:-1]
     if not inner:
         return 0.0, 0.0, (0,)
-    if len(inner) == 1:  # two cells, a bucket each: the processor foresees neither
+    if len(inner) == 1:  # two cells, a bucket each: a branch between them would be unpredictable
         width = max(1.0, abs(inner[0]))
         return inner[0] - width, 1.0 / width, (0, 1)
     first, width = inner[0], inner[-1] - inner[0]
     if not math.isfinite(width / (FINENESS * len(inner))) or not width > 0.0:
         return 0.0, 0.0, (0,)
 
-    # Of numbers of buckets that are equally good the smallest counts.
+    # Among equally good numbers of buckets the smallest counts.
     shares = [(edge - first) / width for edge in inner[:-1]]
     count = min(range(len(inner) - 1, FINENESS * len(inner)), key=partial(_lag, shares))
-    starts = [0]  # the first bucket holds all that is below, the last all that is above
+    starts = [0]  # the first bucket holds all values below, the last all above
     for bucket in range(count + 1):
         left = first + (bucket + 1e-9) / count * width
         starts.append(bisect_right(inner, left))

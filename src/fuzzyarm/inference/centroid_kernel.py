@@ -1,13 +1,13 @@
 """Centroids of the aggregate by samples, and by the upper envelope of straight sets.
 
-Defuzzifiers of the kernel, which add up area and moment: one over samples of the aggregate, one
-exactly over its straight pieces. With samples xᵢ and weights wᵢ (the width that each covers
-in the rule of integration), and μ the union of the sets cut at their heights,
+Two defuzzifiers of the kernel: one over samples of the aggregate, one exactly over its straight
+pieces. With samples xᵢ, their quadrature weights wᵢ, and μ the union of the sets cut at their
+heights,
 
     area = Σ wᵢ μ(xᵢ),  moment = Σ wᵢ μ(xᵢ) xᵢ,
 
 both in the order of the samples. They work on the heap after the work rows, one point at a time:
-the numbers of one point fit into the nearest cache.
+its numbers fit into the level 1 cache.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ def sampled_centroid(block: Any) -> None:
     """Add up the samples of the aggregate, point by point.
 
     Here a consequent has a sixth number: 1 where its degrees are padded with zeros to all samples,
-    it is clipped, and sets are united by the maximum. A few such sets are united in
-    registers, one sample after the other. The aggregate is not stored then, which would have every
-    set wait for the stores of the one before.
+    it is clipped, and sets are united by the maximum. A few such sets are united in registers,
+    sample by sample, without storing the aggregate: each set would have to wait for the stores of
+    the one before.
     """
     k, f, scratch, total, moment = parts_of(block)
     width = k[WIDTH]
@@ -80,12 +80,12 @@ def sampled_centroid(block: Any) -> None:
 
 @kernel
 def _firing_sets(k: Any, scratch: Any, heap: Any, point: int, numbers: int) -> tuple[int, int, int]:
-    """Write down heights and degrees of the sets of a point; return how many, and where they are.
+    """List heights and degrees of the firing sets of a point; return their number and index.
 
     Where there are more than `AT_ONCE`, or one that is not united in registers, they are one more.
     """
-    # Heights first, then the index in f at which degrees of sample 0 would be. A slot without a
-    # set has the height 0; its degrees are any numbers that may be read.
+    # Heights first, then the index in f of the (virtual) degree at sample 0. An empty slot has the
+    # height 0; its degrees are any readable numbers.
     for i in range(AT_ONCE):
         heap[i], heap[AT_ONCE + i] = 0.0, float(numbers)
     width = k[WIDTH]
@@ -122,7 +122,7 @@ def summed_up(
     aggregate: Any, positions: Any, weights: Any, first: int, last: int
 ) -> tuple[float, float]:
     """Return area and moment of samples, from the first to the last."""
-    area = torque = 0.0  # in registers: a sum in a row waits for its own store
+    area = torque = 0.0  # in registers: a sum in memory waits for its own store
     for i in range(first, last):
         part = weights[i] * aggregate[i]
         area += part
@@ -134,10 +134,10 @@ def summed_up(
 def sample(
     k: Any, f: Any, scratch: Any, point: int, side: int, aggregate: Any, cut: Any
 ) -> tuple[int, int]:
-    """Write down the samples of the aggregate of a point; return where it is not zero.
+    """Compute the samples of the aggregate at a point; return its nonzero stretch.
 
-    Only of the sets of one side: those of type 1 are all on side 0. A consequent is: first and
-    last sample where the set is not zero, its degrees in f, its implication, its side.
+    Only of the sets of one side: those of type 1 are all on side 0. A consequent is: first and last
+    nonzero sample, its degrees in f, its implication, its side.
     """
     width = k[WIDTH]
     fold = k[k[OUTPUT] + AGGREGATION]
@@ -171,11 +171,11 @@ def whole_envelope(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple
 
 @kernel
 def envelop(k: Any, f: Any, scratch: Any, point: int, side: int, heap: Any, into: int) -> int:
-    """Write down the upper envelope of the cut sets of one side; return where it ends.
+    """Compute the upper envelope of the cut sets of one side; return its end in the heap.
 
-    A consequent is: its pieces (how many, and where they are in f), whether its implication is
-    the product rather than the minimum, and its side. The heap has the lines first, then their
-    ends (events of the sweep), and from `into` on the pieces of the envelope.
+    A consequent is: its pieces (number, index in f), whether its implication is the product instead
+    of the minimum, its side. The heap has the lines first, then their ends (events of the sweep),
+    and from `into` on the pieces of the envelope.
     """
     width = k[WIDTH]
     events = 0
@@ -194,8 +194,8 @@ def envelop(k: Any, f: Any, scratch: Any, point: int, side: int, heap: Any, into
 @kernel
 def cut_in(implication: int, fold: int, height: float, degrees: Any, so_far: Any, cut: Any) -> None:
     """Cut a set at a height and fold it into the aggregate, over its own stretch of samples."""
-    # Adding zero keeps the bits of a height, and has every sample stored: a store only where the
-    # new set is higher is a masked one to the vectoriser, which takes many times as long.
+    # Every sample is stored, the old height too (+ 0 keeps its bits): the vectoriser would turn a
+    # store under a condition into a masked one, many times slower.
     if implication == MIN and fold == MAX:
         for i in range(so_far.shape[0]):
             so_far[i] = max(so_far[i], min(height, degrees[i])) + 0.0

@@ -3,7 +3,7 @@
 Each adds up, for the points of a program, the area (or the weight) of the output in the row TOTAL
 and the moment about the centre in the row MOMENT. The heights of the groups are in the rows from
 HEIGHTS on. The centroid is a sum over layers, whose area and moment are polynomials of the height
-to which a set is cut: see :mod:`fuzzyarm.inference.overlap`, which makes them.
+of the cut: see :mod:`fuzzyarm.inference.overlap`.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from fuzzyarm.symbolic.kernels import kernel
 def closed_centroid(block: Any) -> None:
     """Add up area and moment of straight sets; see :mod:`fuzzyarm.inference.overlap`.
 
-    Reads from ``k[NEXT]`` on: unions of heights (how many; each a count and its rows), then
-    terms (how many; each two rows, of which the smaller counts, and where its layer is).
+    Reads from ``k[NEXT]`` on: unions of heights (their number; each a count and its rows), then
+    terms (their number; each two rows, the smaller of which counts, and the index of its layer).
     """
     k, f, scratch, total, moment = parts_of(block)
     count, width = k[COUNT], k[WIDTH]
@@ -57,8 +57,8 @@ def closed_centroid(block: Any) -> None:
             for point in range(count):
                 most[point] = max(most[point], height[point])
         at += 1 + others
-    # A term is F(hₖ), or −F(min(hₖ, Hₖ)) with its sign in the layer: rows of which the smaller
-    # counts, for a set itself twice the same.
+    # A term is F(hₖ), or −F(min(hₖ, Hₖ)) with its sign in the layer: the smaller of two rows
+    # counts, for a set itself twice the same one.
     terms = k[at]
     at += 1
     for _ in range(terms):
@@ -84,7 +84,7 @@ def _add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> Non
 
 @kernel
 def part_of_layer(one: float, other: float, start: float, depth: float) -> float:
-    """Return x: how far the smaller of two heights, degrees from 0 to 1, reaches into a layer."""
+    """Return x: the share of a layer below the smaller of two heights, degrees from 0 to 1."""
     return min(max(min(one, other) - start, 0.0), depth)
 
 
@@ -104,7 +104,7 @@ def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
 def closed_centroid_of_point(
     k: Any, f: Any, heights: Any, groups: int, at: int
 ) -> tuple[float, float, int]:
-    """Return area and moment at a point, and the index behind; see :func:`closed_centroid`."""
+    """Return area and moment at a point, and the next index; see :func:`closed_centroid`."""
     unions = k[at]
     at += 1
     for union in range(groups, groups + unions):
@@ -129,7 +129,7 @@ def closed_centroid_of_point(
 
 @kernel
 def weighted(block: Any) -> None:
-    """Add up the strengths, and the strengths times the values of the consequents.
+    """Add up the strengths, and their products with the values of the consequents.
 
     A value is linear in the first ``k[DETAIL]`` inputs: constant, then coefficients in f.
     """

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
 
 class Outcome(NamedTuple):
-    """The outputs at a point, whatever they are.
+    """The outputs at a point, with or without a value of their own.
 
     Attributes
     ----------
     values : dict of str to float
-        Inputs brought into their ranges, and outputs.
+        Inputs clamped to their ranges, and outputs.
     silent : frozenset of str
-        Outputs that have no value of their own there: no rule fires, or nothing comes out.
+        Outputs without a value of their own: no rule fires, or a formula is undefined.
     """
 
     values: dict[str, float]
@@ -52,7 +52,7 @@ class Compiled:
     rulebase : RuleBase
         Any model.
     interpreted : bool
-        Whether to leave machine code alone.
+        Whether to interpret the kernel, without machine code.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Compiled:
         machine = all(stage.compiled for stage in self._stages)
         self.kernel = "machine code" if machine else "python"
         at, self.named_point, call = PointFunctions(self.at, self._named, otherwise)
-        if len(self._stages) == 1:  # the shortest way: without a call in between
+        if len(self._stages) == 1:  # the fast path: no call in between
             at, self.named_point, call = self._stages[0].functions
             vars(self)["at"] = at
         type(self).__call__.__set__(self, call)  # type: ignore[attr-defined]
@@ -111,7 +111,7 @@ class Compiled:
         return f"<compiled {self.rulebase.name!r}, kernel {self.kernel}{why}>"
 
     def at(self, *values: float) -> tuple[float, ...]:
-        """Evaluate one point: the shortest way.
+        """Evaluate one point, on the fast path.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class Compiled:
         return tuple(self.point(_by_name(self._inputs, values)).values())
 
     def general(self, *values: Any, held: Mapping[str, float] | None = None, **named: Any) -> Any:
-        """Evaluate the rule base at arguments of any kind: what a call does."""
+        """Evaluate the rule base at arguments of any kind."""
         columns, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
         results = self.evaluate(columns, held)
         return results if labels is None else labels.on(results)
@@ -167,7 +167,7 @@ class Compiled:
         return found
 
     def _named(self, arguments: Mapping[str, Any]) -> dict[str, float] | None:
-        """Return the outputs at inputs by name, stage by stage; None without an ordinary value."""
+        """Return the outputs at named inputs; None unless all are ordinary."""
         if arguments.keys() != set(self._inputs):
             return None
         values = dict(arguments)
@@ -181,7 +181,7 @@ class Compiled:
     def outcome(
         self, inputs: Mapping[str, Any], held: Mapping[str, float] | None = None
     ) -> Outcome:
-        """Return the outputs at a point, and which of them have no value of their own."""
+        """Return the outputs at a point, and the names of those without a value of their own."""
         given = floats_of(self.rulebase, inputs)
         values = {v.name: bring_into_range(v, given[v.name]) for v in self.rulebase.inputs}
         if held:
@@ -205,12 +205,12 @@ def _is_by_name(value: Any) -> bool:
 
 @remembered
 def kept(rulebase: RuleBase) -> Compiled:
-    """Return a rule base laid out for the kernel; the last few are remembered."""
+    """Return a rule base laid out for the kernel; the last few are cached."""
     return Compiled(rulebase)
 
 
 def _otherwise(engine: ref[Compiled], rulebase: RuleBase, *values: Any, **named: Any) -> Any:
-    """Evaluate what the kernel at a point does not cover, also for an `at` that outlives it all."""
+    """Evaluate a point that the kernel does not cover, also when `at` outlives its engine."""
     return (engine() or kept(rulebase)).general(*values, **named)
 
 
@@ -225,9 +225,9 @@ def compiled(rulebase: AnyRuleBase) -> Compiled:
     Returns
     -------
     Compiled
-        A callable with the inputs, results and errors of :func:`fuzzyarm.infer`; it can be
-        pickled, and so goes to other processes. Machine
-        code does the work where it covers the model, see its `kernel` and `reason`.
+        A callable with the inputs, results and errors of :func:`fuzzyarm.infer`; it can be pickled
+        for other processes. Machine code does the work where it covers the model, see its `kernel`
+        and `reason`.
 
     Raises
     ------

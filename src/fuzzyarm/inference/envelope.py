@@ -1,11 +1,10 @@
-"""The upper envelope of straight sets, piece by piece: plain functions over a heap of numbers.
+"""The upper envelope of straight sets, piece by piece: functions over a heap of numbers.
 
-For straight sets without a closed form. The kernel runs them as machine code over its block, the
-engine for one point and over a list alike: one source, so that the bits are the same.
+For straight sets without a closed form. One source for machine code and plain Python, so that the
+bits are the same.
 
-The heap holds the lines of the cut sets, PIECE numbers each; behind them where they begin or
-end, sorted; and from a position that the caller names on the envelope, RUN_OF_LINE numbers for each
-of its pieces.
+The heap holds the lines of the cut sets, PIECE numbers each; then their ends, sorted (events); and,
+from an index chosen by the caller, the envelope, RUN_OF_LINE numbers for each piece.
 """
 
 from __future__ import annotations
@@ -29,10 +28,10 @@ Five do, but for a lower set that is all but nothing.
 
 
 def heap_size(pieces: int) -> tuple[int, int]:
-    """Return where the envelope begins that so many pieces of sets have, and where it may end.
+    """Return the index of the envelope of so many `pieces`, and the greatest possible end.
 
     Cutting may split a piece in two, and each end is an event. The envelope of n lines has less
-    than n log n pieces, few more than n as a rule.
+    than n log n pieces, usually few more than n.
     """
     begin = 2 * PIECE * pieces + 4 * pieces
     return begin, begin + RUN_OF_LINE * 2 * pieces * max(4, (4 * pieces).bit_length())
@@ -45,7 +44,7 @@ def heap_size(pieces: int) -> tuple[int, int]:
 def cut_pieces(
     pieces: Any, first: int, count: int, height: float, scaled: bool, heap: Any, end: int
 ) -> int:
-    """Write so many pieces of a set down, cut at a height or scaled by it; return their new end."""
+    """Append pieces of a set, cut at a height or scaled by it; return the new end of the lines."""
     for piece in range(first, first + PIECE * count, PIECE):
         x_0, y_0, x_1, y_1 = pieces[piece], pieces[piece + 1], pieces[piece + 2], pieces[piece + 3]
         if scaled:
@@ -63,7 +62,7 @@ def cut_pieces(
 
 @kernel
 def put(heap: Any, end: int, x_0: float, y_0: float, x_1: float, y_1: float) -> int:
-    """Append a piece unless it has no width or no height; return the index behind it."""
+    """Append a piece unless it has no width or no height; return the next index."""
     if x_1 <= x_0 or (y_0 <= 0.0 and y_1 <= 0.0):
         return end
     heap[end] = x_0
@@ -75,7 +74,7 @@ def put(heap: Any, end: int, x_0: float, y_0: float, x_1: float, y_1: float) -> 
 
 @kernel
 def insert(heap: Any, events: int, count: int, x: float) -> int:
-    """Insert a number into the sorted ones unless it is there; return how many there are."""
+    """Insert a number into the sorted ones unless it is there; return their number."""
     index = events + count
     while index > events and heap[index - 1] > x:
         index -= 1
@@ -91,10 +90,10 @@ def insert(heap: Any, events: int, count: int, x: float) -> int:
 def highest(
     heap: Any, events: int, left: float, right: float, past: float
 ) -> tuple[float, float, float]:
-    """Return height and slope of the envelope from `left` on, and up to where they hold.
+    """Return height and slope of the envelope at `left`, and the end of that line in it.
 
-    From one crossing to the next an envelope of lines gets steeper: only lines steeper
-    than `past` count, so that rounding at a crossing does not bring the old line back.
+    From crossing to crossing an upper envelope gets steeper: only lines steeper than `past` count,
+    so that rounding at a crossing does not bring the old line back.
     """
     best = 0.0
     steep = 0.0
@@ -106,14 +105,15 @@ def highest(
                 best = y
                 steep = slope
     until = right
-    # It holds until the first line that is steeper has caught up.
+    # It holds until the first steeper line has caught up.
     for line in range(0, events, PIECE):
         if heap[line] <= left and heap[line + 2] >= right:
             slope = (heap[line + 3] - heap[line + 1]) / (heap[line + 2] - heap[line])
             if slope > steep:
                 y = heap[line + 1] + slope * (left - heap[line])
                 x = left + (best - y) / (slope - steep)
-                # At once where the one above is all but zero: the next call takes the steeper.
+                # A steeper line above it by rounding: an empty piece, the next call takes the
+                # steeper one.
                 if left <= x < until:
                     until = x
     return best, steep, until
@@ -121,8 +121,8 @@ def highest(
 
 @kernel
 def envelope_of(heap: Any, events: int, into: int) -> int:
-    """Write down the upper envelope of the lines in front of `events`; return where it ends."""
-    # Events are where a line begins or ends: between two of them the same lines hold.
+    """Write the upper envelope of the lines before `events`; return its end in the heap."""
+    # Events are the ends of lines: between two of them the same lines hold.
     count = 0
     for line in range(0, events, PIECE):
         count = insert(heap, events, count, heap[line])
@@ -154,16 +154,16 @@ def whole_of(heap: Any, begin: int, end: int) -> tuple[float, float]:
     return area, torque
 
 
-# ── area and moment in front of a position and behind it ─────────────────────────────
+# ── area and moment below and above a position ───────────────────────────────────────
 #
-# An envelope is a list of pieces in the heap, each RUN_OF_LINE numbers: where it begins and ends,
-# the degrees there, its area, and its moment about the centre of the range (`add_up`). Moments
-# are about the centre, not about 0: a range far from 0 would eat the digits.
+# An envelope is a list of pieces in the heap, each RUN_OF_LINE numbers: both ends, the degrees
+# there, its area, and its moment about the centre of the range (`add_up`). Moments are about the
+# centre, not about 0: far from 0 the difference of ends would cancel.
 
 
 @kernel
 def add_up(heap: Any, begin: int, end: int, centre: float) -> tuple[float, float]:
-    """Note the moment of each piece about the centre; return area and moment of all."""
+    """Store the moment of each piece about the centre; return area and moment of all."""
     area = torque = 0.0
     for piece in range(begin, end, RUN_OF_LINE):
         left, run_of = heap[piece], heap[piece + 1] - heap[piece]
@@ -188,7 +188,7 @@ def reach_end(
 ) -> float:
     """Return an end of the centroid: the right one (sign 1) or the left one (-1).
 
-    The upper set is from `begin` to `middle`, the lower from there to `behind`.
+    The upper set is from `begin` to `middle`, the lower one from there to `behind`.
     """
     if not lower_area > 0.0:
         return last_covered(heap, begin, middle, sign)
@@ -201,7 +201,7 @@ def reach_end(
         area, torque = before(heap, one, one_end, c, centre)
         more, further = after(heap, other, other_end, c, centre)
         following = centre + (torque + further) / (area + more)  # φ(c)
-        # Steps only ever go towards the end; one that does not is rounding, and the last.
+        # Exact steps approach the end monotonically; one backwards is rounding, and the last.
         if not sign * (following - c) > 0.0:
             break
         c = following
@@ -211,7 +211,7 @@ def reach_end(
 @kernel
 def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
     """Return the end of the support of a set."""
-    # There may be pieces of no height in front and behind; only an area counts.
+    # Pieces of height zero may lie on both sides; only an area counts.
     value = 0.0
     covered = False
     for piece in range(begin, end, RUN_OF_LINE):
@@ -224,8 +224,8 @@ def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
     return value
 
 
-# The part in front of c, and its mirror image. Two functions: both stop at c, from their own
-# side, and the piece at c is added last, in which order the bits are those of plain Python.
+# The part before c, and its mirror image. Two functions: each stops at c from its own side and adds
+# the piece at c last, an order that fixes the bits.
 
 
 @kernel
@@ -240,7 +240,7 @@ def before(heap: Any, begin: int, end: int, c: float, centre: float) -> tuple[fl
             area += heap[piece + 4]
             torque += heap[piece + 5]
         else:
-            # The part of this piece that is in front of c.
+            # The part of this piece before c.
             best, run_of = heap[piece + 2], c - left
             last = best + (heap[piece + 3] - best) * (run_of / (right - left))
             part = 0.5 * run_of * (best + last)

@@ -13,14 +13,14 @@ class InferenceError(FuzzyarmError, ValueError):
 
 
 class UnknownNameError(InferenceError):
-    """A name that the rule base does not have.
+    """A name unknown to the rule base.
 
     Attributes
     ----------
     name : str
         As given.
     known : tuple of str
-        The names there are.
+        The names of the rule base.
     """
 
     def __init__(self, name: str, known: Iterable[str], *, what: str = "input") -> None:
@@ -48,7 +48,7 @@ class MissingInputError(InferenceError):
 
 
 class NotANumberError(InferenceError):
-    """A value that is NaN or no number at all.
+    """A value that is NaN or not a number.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class OutsideRangeError(InferenceError):
 
 
 class NoRuleFiredError(FuzzyarmError, ArithmeticError):
-    """No rule fires for an output that has no value for that case.
+    """No rule fires for an output that states no value for that case.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class NoRuleFiredError(FuzzyarmError, ArithmeticError):
 
 
 class NothingHeldError(InferenceError):
-    """An output holds its last value where no rule fires, and none was given.
+    """An output holds its last value where no rule fires, but none was passed.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class NothingHeldError(InferenceError):
 
 
 class CyclicRulesError(InferenceError):
-    """Outputs that need each other, or a rule that needs an output of a later block.
+    """Outputs that depend on each other, or a rule that reads an output of a later block.
 
     Attributes
     ----------

@@ -62,7 +62,7 @@ class Doubled(NamedTuple):
     readings: tuple[tuple[int, ...], ...]
 
     def side(self, consequent: Consequent) -> int:
-        """Return whether a consequent belongs to the upper or the lower set of its output."""
+        """Return ``UPPER`` or ``LOWER``: the set of its output to which a consequent belongs."""
         is_lower = consequent.term in {
             lower for (name, _), lower in self.lower_names.items() if name == consequent.variable
         }
@@ -71,7 +71,7 @@ class Doubled(NamedTuple):
 
 @lru_cache(maxsize=256)
 def direction(hedges: tuple[Hedge, ...]) -> int:
-    """Return 1 where hedges rise with the degree, -1 where they fall."""
+    """Return 1 for hedges that rise with the degree, -1 for those that fall."""
     values = [apply_hedges(hedges, i / 256) for i in range(257)]
     steps = [b - a for a, b in pairwise(values)]
     if min(steps) >= 0.0:
@@ -99,7 +99,7 @@ def doubled(rulebase: RuleBase) -> Doubled:
     Returns
     -------
     Doubled
-        Outputs of type 1 and what concludes only those stay as they are.
+        Outputs of type 1, and rules for them alone, are unchanged.
 
     Raises
     ------
@@ -122,7 +122,7 @@ class _Doubling:
                 if term.lower is not None:
                     self.intervals.add((variable.name, term.name))
                 if variable.name in self.two_sided or term.lower is not None:
-                    # A term of a file may be called so, in quotes: then with a prime.
+                    # A quoted term of a file may have this name: then with primes.
                     name = f"{term.name} (lower)"
                     while name in names:
                         name += "'"
@@ -164,7 +164,7 @@ class _Doubling:
         terms: list[Term] = []
         for term in variable.terms:
             lower, upper = term.lower or term.shape, term.shape
-            # Nie and Tan: of a value between two the middle, once for both readings.
+            # Nie and Tan: the middle of an interval of values, once for both readings.
             if averaged and is_value(upper):
                 lower = upper = middle_value(lower, upper)
             terms.append(replace(term, shape=upper, lower=None))
@@ -203,7 +203,7 @@ class _Doubling:
                 return expression
             return replace(expression, term=self.lower_names[key])
         if isinstance(expression, Hedged):
-            # Only over an interval has a hedge to rise or to fall.
+            # Only over an interval must a hedge be monotone.
             if self._is_interval(expression.operand):
                 side = _turned(side, expression.hedges)
             return replace(expression, operand=self._read(expression.operand, side))
@@ -238,7 +238,7 @@ class _Doubling:
 
 
 def _turned(side: int, hedges: tuple[Hedge, ...]) -> int:
-    """Return which side a set below hedges has to be for the set under them to be `side`."""
+    """Return the side of a set below hedges such that the set under them is `side`."""
     return side if not hedges or direction(hedges) > 0 else 1 - side
 
 
@@ -246,7 +246,7 @@ def _turned(side: int, hedges: tuple[Hedge, ...]) -> int:
 
 
 def is_value(shape: Shape) -> bool:
-    """Whether a shape is a number (which may depend on the inputs) rather than a set."""
+    """Whether a shape is a number, maybe a function of the inputs, instead of a set."""
     if shape.kind == "formula":
         from fuzzyarm.inference.sets import formula_of
 
@@ -275,9 +275,9 @@ class Ends(NamedTuple):
     Attributes
     ----------
     rulebase : RuleBase
-        With two outputs for each that Karnik and Mendel's way defuzzifies.
+        With two outputs for each one under Karnik and Mendel's defuzzifier.
     names : dict of str to (str, str)
-        For each output of the other: the outputs that are its left and its right end.
+        For each output of the other: its left end and its right end, as outputs.
     """
 
     rulebase: RuleBase
@@ -290,7 +290,7 @@ def ends(rulebase: RuleBase) -> Ends:
     Parameters
     ----------
     rulebase : RuleBase
-        Any model; outputs that are one number are both of their ends.
+        Any model; an output of type 1 is both of its ends.
 
     Returns
     -------
@@ -309,7 +309,7 @@ def ends(rulebase: RuleBase) -> Ends:
             continue
         own_names = [_free(f"{output.name} ({side})", used_names) for side in ("left", "right")]
         names[output.name] = own_names[0], own_names[1]
-        if _is_read(rulebase, output.name):  # else its middle would be computed for nothing
+        if _is_read(rulebase, output.name):  # else its middle would be computed in vain
             outputs.append(output)
         outputs += [
             replace(
@@ -333,7 +333,7 @@ def ends(rulebase: RuleBase) -> Ends:
 
 
 def _has_both_ends(output: Output) -> bool:
-    """Whether its value is made of both ends of a centroid, and is not one of them."""
+    """Whether its value is made of both ends of a centroid."""
     record = output.defuzzifier.record
     return record.of == "ends" and not record.figure
 
@@ -346,7 +346,7 @@ def _free(name: str, names: set[str]) -> str:
 
 
 def _is_read(rulebase: RuleBase, name: str) -> bool:
-    """Whether a rule or a formula of a consequent reads an output."""
+    """Whether a rule or a consequent's formula reads an output."""
     from fuzzyarm.inference.sets import formula_of
 
     if any(p.variable == name for rule in rulebase.rules for p in propositions(rule.antecedent)):

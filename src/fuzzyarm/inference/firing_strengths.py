@@ -1,8 +1,8 @@
-"""Firing strengths in the kernel: of expressions in parentheses, of rules, and of whole sets.
+"""Firing strengths in the kernel: of expressions in parentheses, rules and sets.
 
-Each twice, over the rows of a program and at one point; a number is joined, weighed and folded by
-the same functions, in the same order, so the bits are the same. A **group** is a set with the rules
-that assert it in a cell; its height is folded from their strengths.
+Each twice, over the rows of a program and at one point, by the same functions in the same order, so
+the bits are the same. A **group** is a set with the rules that assert it in a cell; its height is
+folded from their strengths.
 
 A rule is a stretch of whole numbers: its norm, the positions of its weight and threshold in the
 floats, and the row of each operand (see :mod:`fuzzyarm.inference.block`).
@@ -32,7 +32,7 @@ from fuzzyarm.symbolic.kernels import call, kernel
 
 @kernel
 def join_expressions(k: Any, f: Any, scratch: Any, at: int, count: int) -> int:
-    """Write down the truth of the expressions in parentheses; return the index behind."""
+    """Evaluate the expressions in parentheses; return the next index."""
     width = k[WIDTH]
     expressions = k[at]
     at += 1
@@ -55,14 +55,14 @@ def join_expressions(k: Any, f: Any, scratch: Any, at: int, count: int) -> int:
 
 @kernel
 def fold_heights(k: Any, f: Any, scratch: Any, at: int, fold: int, count: int) -> int:
-    """Fold the strengths of the rules of each group, one row each; return the index behind."""
+    """Fold the strengths of the rules of each group, one row each; return the next index."""
     width = k[WIDTH]
     groups = k[at]
     at += 1
     begin = (k[WORK] + STRENGTH) * width
     strength = scratch[begin : begin + count]
-    # A group is a set with the rules that assert it in this cell. The first strength goes into
-    # the row of its height at once; the norm is the output's, max nearly always.
+    # The first strength goes into the row of the height at once; the norm is the output's, nearly
+    # always max.
     for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
         begin = group * width
         folded = scratch[begin : begin + count]
@@ -106,7 +106,7 @@ def unite_rules(k: Any, scratch: Any, at: int, count: int) -> int:
 def fold_heights_of_point(
     k: Any, f: Any, scratch: Any, at: int, fold: int, heights: int, operands: int
 ) -> int:
-    """Fold the strengths of the rules of each group at a point; return the index behind."""
+    """Fold the strengths of the rules of each group at a point; return the next index."""
     groups = k[at]
     at += 1
     for group in range(heights, heights + groups):
@@ -125,13 +125,13 @@ def fold_heights_of_point(
 @kernel
 def unite_rules_of_point(k: Any, scratch: Any, at: int, heights: int, operands: int) -> int:
     """As :func:`fold_heights_of_point`, for the usual grid of rules."""
-    # Neither norms nor weights are read, which are half of the work of a rule.
+    # Reads neither norms nor weights, half of the work of a rule.
     groups = k[at]
     at += 1
     for group in range(heights, heights + groups):
         rules = k[at]
         at += GROUP_HEAD + RULE_HEAD
-        folded = 0.0  # below which no strength is
+        folded = 0.0  # no strength is below 0
         if operands == 2:
             for _ in range(rules):
                 folded = max(folded, min(scratch[k[at]], scratch[k[at + 1]]))
@@ -150,7 +150,7 @@ def unite_rules_of_point(k: Any, scratch: Any, at: int, heights: int, operands: 
 
 @kernel
 def _fired(k: Any, f: Any, scratch: Any, rule: int, operands: int) -> float:
-    """Return how far a rule fires at a point; see :func:`fire`."""
+    """Return the firing strength of a rule at a point; see :func:`fire`."""
     norm = k[rule]
     weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
     first = rule + RULE_HEAD
@@ -165,9 +165,9 @@ def _fired(k: Any, f: Any, scratch: Any, rule: int, operands: int) -> float:
 
 @kernel
 def is_joined(norm: int, row: int) -> bool:
-    """Whether an operand is a real one, not the filler of a rule shorter than others.
+    """Whether an operand is real, not the filler of a rule shorter than the longest.
 
-    The kernel's own norms leave the bits of an operand joined with a neutral one.
+    The kernel's own norms keep the bits of an operand joined with a neutral one.
     """
     return row != ONES or MIN <= norm <= SUM
 
@@ -191,7 +191,7 @@ def joined(k: Any, scratch: Any, norm: int, a: float, b: float) -> float:
         value = a * b
     elif norm == SUM:
         value = a + b
-    else:  # in the rows to work in, which nobody uses before the defuzzifier
+    else:  # in work rows, free until the defuzzifier
         at = k[WORK]
         scratch[at] = a
         scratch[at + 1] = b
@@ -203,7 +203,7 @@ def joined(k: Any, scratch: Any, norm: int, a: float, b: float) -> float:
 
 @kernel
 def fire(k: Any, f: Any, scratch: Any, rule: int, strength: Any) -> None:
-    """Write down how far a rule fires: its operands under its norm, times its weight."""
+    """Compute the firing strength of a rule: its operands under its norm, times its weight."""
     count = strength.shape[0]
     width = k[WIDTH]
     norm = k[rule]

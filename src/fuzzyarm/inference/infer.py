@@ -60,16 +60,16 @@ def infer(
     Parameters
     ----------
     rulebase : RuleBase
-        The value, or one that is being written.
+        The model, or one under construction.
     inputs : mapping of str to float or array_like, DataFrame or Dataset, optional
-        Inputs by name; for names that are not identifiers. Columns of a DataFrame and variables
-        of a Dataset that are not inputs are passed over.
+        Inputs by name; for names that are not identifiers. Other columns of a DataFrame and other
+        variables of a Dataset are ignored.
     *positional
         Refused: inputs have names.
     held : mapping of str to float, optional
         Last values of outputs that hold where no rule fires.
     outputs : iterable of str, optional
-        Which outputs to evaluate; only the inputs that they depend on are needed then.
+        Outputs to evaluate; only the inputs that they depend on are then needed.
     **named : float, array_like, Series, DataFrame or DataArray
         Inputs by name, in the units of the file. Arrays broadcast against each other,
         DataArrays by their dims. A value outside the range of its input is clamped to it,
@@ -79,10 +79,9 @@ def infer(
     -------
     dict of str to float or ndarray of float64
         Every output, or the selected ones, by name: floats where all inputs are scalars, else
-        arrays of the broadcast shape. Series, DataFrames and DataArrays where inputs are, with
-        their index, or their dims and coordinates. For `inputs` in a DataFrame or a Dataset a
-        DataFrame or a Dataset of the outputs. NaN only where the file states it
-        (``no-rule nan``).
+        arrays of the broadcast shape. Series, DataFrames and DataArrays for such inputs, with their
+        index, or their dims and coordinates. For `inputs` in a DataFrame or a Dataset a DataFrame
+        or a Dataset of the outputs. NaN only where the file states it (``no-rule nan``).
 
     Raises
     ------
@@ -91,7 +90,7 @@ def infer(
         twice; values that are not numbers (text is not, even ``"2"``) or outside a range that
         forbids it; indexes or coordinates that differ.
     NoRuleFiredError
-        If no rule fires for an output that has no value for that case.
+        If no rule fires for an output that states no value for that case.
 
     Examples
     --------
@@ -102,7 +101,7 @@ def infer(
     >>> infer(pd7, e=[1.3, 0.0, -1.3], ce=0.0)
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
-    if held is None and outputs is None and not positional:  # the thin path
+    if held is None and outputs is None and not positional:  # the fast path
         point = named if inputs is None else inputs
         if point is named or (type(point) is dict and not named):
             try:
@@ -113,7 +112,7 @@ def infer(
                 return found
     rulebase = model_of(rulebase)
     if positional:
-        inputs = (inputs, *positional)  # not by name, which is refused
+        inputs = (inputs, *positional)  # positional, hence refused
     values, labels = gathered(inputs, named, rulebase.inputs)
     results = _outputs(rulebase, values, held, None if outputs is None else tuple(outputs))
     return results if labels is None else labels.on(results)
@@ -137,7 +136,7 @@ def _outputs(
 
 @remembered
 def silent(rulebase: RuleBase) -> RuleBase:
-    """Return a rule base that is NaN where no rule fires and it states no number for that."""
+    """Return a rule base with NaN where no rule fires and the file states no number."""
     outputs = (
         output if isinstance(output.no_rule, int | float) else replace(output, no_rule=math.nan)
         for output in rulebase.outputs
@@ -164,9 +163,8 @@ def infer_interval(
     Returns
     -------
     dict of str to (left, right)
-        The ends of the centroid of each output that `karnik-mendel` defuzzifies, of which
-        :func:`infer` returns the middle; floats or arrays as there. Of any other output, which
-        is one number, both are that number.
+        The ends of the centroid of each output under `karnik-mendel`, whose middle :func:`infer`
+        returns; floats or arrays as there. Any other output is both of its ends.
 
     Raises
     ------
@@ -195,7 +193,7 @@ def infer_interval(
 
 @remembered
 def both_ends(rulebase: RuleBase) -> Ends:
-    """Return the rule base whose outputs are the ends of those of another; remembered."""
+    """Return the rule base with the ends of another's outputs; cached."""
     return ends(rulebase)
 
 
@@ -213,7 +211,7 @@ def _some(
     held: Mapping[str, float] | None,
     outputs: tuple[str, ...],
 ) -> dict[str, Any]:
-    """Evaluate some outputs, with the inputs that they need among those given."""
+    """Evaluate some outputs, from the inputs that they need among those passed."""
     part = part_for(rulebase, outputs)
     check_names(inputs, [variable.name for variable in rulebase.inputs])
     check_names(held or (), [variable.name for variable in rulebase.outputs], what="output")
@@ -266,7 +264,7 @@ def check_expectations(
     few = samples * len(rulebase.expectations) < MANY_SAMPLES
     try:
         evaluate = Compiled(rulebase, interpreted=few).point
-    except FuzzyarmError as error:  # the same for all of them: said once
+    except FuzzyarmError as error:  # the same for all: reported once
         return [_failed(rulebase.expectations[0], str(error))]
     failures: list[Diagnostic] = []
     for expectation in rulebase.expectations:
@@ -313,12 +311,12 @@ def holds(outcome: Outcome, value: float, output: Output) -> bool:
     value : float
         Result.
     output : Output
-        Whose range gives the tolerance of an ``=`` without one.
+        Its range gives the tolerance of an ``=`` without one.
     """
     target = outcome.value
     if outcome.relation == "=":
         width = output.high - output.low
-        # Of a range without an end there is no share.
+        # An unbounded range has no share of itself.
         scale = width if math.isfinite(width) else max(1.0, abs(target))
         tolerance = DEFAULT_TOLERANCE * scale if outcome.other is None else outcome.other
         return abs(value - target) <= tolerance

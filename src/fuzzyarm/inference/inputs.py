@@ -1,4 +1,4 @@
-"""Inputs as a caller gives them: names, numbers, ranges; and the output where no rule fires."""
+"""Checks of a caller's inputs: names, numbers, ranges; and the output where no rule fires."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def check_names(requested: Iterable[str], valid: Iterable[str], *, what: str = "input") -> None:
-    """Raise UnknownNameError for the first name of `requested` that is not among `valid`."""
+    """Raise UnknownNameError for the first name of `requested` that is not in `valid`."""
     names = tuple(valid)
     for name in requested:
         if name not in names:
@@ -29,7 +29,7 @@ def check_names(requested: Iterable[str], valid: Iterable[str], *, what: str = "
 
 
 def _demand_all(rulebase: RuleBase, inputs: Mapping[str, Any]) -> None:
-    """Raise an error unless the names are those of the inputs, all of them."""
+    """Raise an error unless the names are exactly those of the inputs."""
     names = [variable.name for variable in rulebase.inputs]
     check_names(inputs, names)
     missing = [name for name in names if name not in inputs]
@@ -41,13 +41,13 @@ def _demand_all(rulebase: RuleBase, inputs: Mapping[str, Any]) -> None:
 
 
 def floats_of(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, float]:
-    """Return the inputs at a point, all of them, in their order."""
+    """Return the inputs at a point, complete and in their order."""
     _demand_all(rulebase, inputs)
     return {v.name: number_of(v.name, inputs[v.name]) for v in rulebase.inputs}
 
 
 def number_of(name: str, value: Any) -> float:
-    """Return the value of an input; raise NotANumberError where it is not a number.
+    """Return the value of an input; raise NotANumberError for anything but a number.
 
     Text is not a number, even if it is digits: input from a file or a form must be parsed first.
     """
@@ -61,7 +61,7 @@ def number_of(name: str, value: Any) -> float:
 
 
 def bring_into_range(variable: Variable, value: float) -> float:
-    """Return `value` clamped, as it is, or an error: by ``variable.outside``."""
+    """Return `value` clamped, unchanged, or an error: by ``variable.outside``."""
     if variable.low <= value <= variable.high:
         return value
     if math.isnan(value):
@@ -90,7 +90,7 @@ def _is_array(value: object) -> bool:
 def arrays_of(
     rulebase: RuleBase, inputs: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[np.float64]], tuple[int, ...]]:
-    """Return all inputs as floats, in their order, and the shape to which they broadcast."""
+    """Return all inputs as floats, in their order, and their broadcast shape."""
     import numpy as np
 
     _demand_all(rulebase, inputs)
@@ -119,7 +119,7 @@ def _numbers(name: str, values: Any) -> NDArray[np.float64]:
 
 
 def array_in_range(variable: Variable, array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an array clamped, as it is, or an error: by ``variable.outside``."""
+    """Return an array clamped, unchanged, or an error: by ``variable.outside``."""
     import numpy as np
 
     if np.isnan(array).any():
@@ -142,7 +142,7 @@ def array_in_range(variable: Variable, array: NDArray[np.float64]) -> NDArray[np
 def stands_in_for_nan(output: Output) -> bool:
     """Whether the value for no rule also replaces that of a formula without one.
 
-    That is so where it is held, or NaN itself: such an output may be without a value.
+    So if it is held, or itself NaN: such an output may lack a value.
     """
     no_rule = output.no_rule
     return no_rule == "hold" or (isinstance(no_rule, float) and math.isnan(no_rule))

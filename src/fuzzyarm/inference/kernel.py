@@ -2,19 +2,19 @@
 
 It reads and writes one array of floats, the **block**, whose picture is in
 :mod:`fuzzyarm.inference.block`. Every input finds its cell between the corners of its terms; the
-cells together name a **program**, which lists the rules that can fire there and the integrals.
-So nothing is searched, and the cost grows with the rules that fire, not with the rules. Points are
-sorted by their program, whose steps run over rows of points: the processor takes several at a time.
+cells together name a **program**, which lists the rules that can fire there and the integrals. No
+search: the cost grows with the rules that fire, not with all rules. Points are sorted by program,
+whose steps run over rows of points as vector instructions.
 
 A program has min, max, product and sum of rows built in; other norms, curved terms and the
 defuzzifiers are called by address.
 
-A closed loop evaluates single points, millions of times. There two thirds of the work would be
-to find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
-number. The order of sums and products is in functions that both walks share
-(`bucket_of`, `on_line` and `settled` here, `weighed` of :mod:`.firing_strengths`, `layer_area` and
-`layer_moment` of :mod:`.closed_form`), and the bits are the same; norms beside the four, curved
-terms, expressions in parentheses and the other defuzzifiers are called with rows of length one.
+A closed loop evaluates single points, millions of times. Two thirds of the work would be the
+handling of rows of length one, so :func:`evaluate` walks a program number by number. The order of
+sums and products is in functions that both walks share (`bucket_of`, `on_line` and `settled` here,
+`weighed` of :mod:`.firing_strengths`, `layer_area` and `layer_moment` of :mod:`.closed_form`), and
+the bits are the same; other norms, curved terms, expressions in parentheses and the other
+defuzzifiers are called with rows of length one.
 
 Neither walk replaces the other. With 49 rules (pd7) and random points, each called from C: a
 point takes 54 ns by `evaluate` and 149 by `sweep` with room for one; of 100,000 points one takes 10
@@ -22,8 +22,8 @@ ns by `sweep` and 54 by `evaluate`. With the Gaussian terms of a weighted averag
 46 and 162; where integrals or Karnik and Mendel's steps are nearly all of the work the two differ
 by a quarter.
 
-Where there is no ordinary value (not a number, outside a range that forbids it, no rule
-fires and nothing is stated) the output is NaN; the caller asks another engine then.
+An output without an ordinary value (an input that is not a number or outside a range that forbids
+it; no rule fires and no value is stated) is NaN; the caller then finds the cause.
 """
 
 from __future__ import annotations
@@ -113,11 +113,11 @@ class KernelForm(NamedTuple):
     Attributes
     ----------
     inputs, outputs, operands : int
-        How many there are; operands of each rule.
+        Their numbers; operands of each rule.
     grid : bool
-        Whether it is known to be of the usual form: straight terms, rules ``a and b`` under min,
-        of weight 1, united by max, no expressions in parentheses, and the centroid in closed form.
-        Otherwise the block says for each output.
+        Whether it has the usual form: straight terms, rules ``a and b`` under min, of weight 1,
+        united by max, no expressions in parentheses, and the centroid in closed form. Otherwise the
+        block has the form of each output.
     """
 
     inputs: int
@@ -134,7 +134,7 @@ def form_of(k: Any) -> KernelForm:
 
 @kernel
 def form_of_grid(k: Any) -> KernelForm:
-    """Give the form of a grid of two inputs and one output; see :func:`bindings_for`."""
+    """Return the form of a grid of two inputs and one output; see :func:`bindings_for`."""
     return KernelForm(2, 1, 2, True)
 
 
@@ -158,7 +158,7 @@ def _is_grid(block: Any) -> bool:
         k[output + IS_MAX_MIN] and k[output + IS_CLOSED] and k[output + IS_MEAN]
         and not k[output + FINISH]
         and not any(k[head + CURVES] for head in inputs)
-        and not any(k[at + 2 * 2] for at in programs)  # behind two numbers for each input
+        and not any(k[at + 2 * 2] for at in programs)  # after two numbers for each input
     )  # fmt: skip
 
 
@@ -166,7 +166,7 @@ def _is_grid(block: Any) -> bool:
 def evaluate(block: Any) -> None:
     """Evaluate the one point in a block that has room for one; ``k[MISSING]`` outputs are NaN then.
 
-    Its rows are one number long: the number of a row is its position.
+    Its rows have length one: the number of a row is its index.
     """
     k = whole_numbers(block)
     f = block[k[FLOATS] :]
@@ -219,7 +219,7 @@ def sweep(block: Any) -> None:
     Parameters
     ----------
     block : ndarray of float64
-        With inputs in its columns (brought into their ranges here); its results are filled.
+        With inputs in its columns (clamped here); its results are filled.
     """
     k = whole_numbers(block)
     f = block[k[FLOATS] : k[SCRATCH]]
@@ -238,13 +238,13 @@ def sweep(block: Any) -> None:
         begin = k[COLUMNS] + i * width
         if _locate(k, f, i, block[begin : begin + points], origin, programs):
             some_failed = True
-    if some_failed:  # whatever other inputs have added
+    if some_failed:  # whatever other inputs added
         for point in range(points):
             programs[point] = max(programs[point], FAILED)
     sort(block, k, programs, origin, ends)
     k[MISSING] = ends[0] * k[OUTPUTS]
-    # The sorted points of program p are [ends[p], ends[p + 1]): one call for all of them, so
-    # that looking up its lines, rules and layers is paid once and rows stay in the cache.
+    # The sorted points of program p are [ends[p], ends[p + 1]): one call for all of them, so that
+    # its lines, rules and layers are looked up once and rows stay in the cache.
     for point in range(ends[0]):  # these have no program
         for o in range(k[OUTPUTS]):
             block[k[RESULTS] + o * width + origin[point]] = math.nan
@@ -261,7 +261,7 @@ def sweep(block: Any) -> None:
 
 @kernel
 def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
-    """Bring points of one program together; those without a program go to the front.
+    """Group points by program; those without a program go to the front.
 
     A counting sort. Afterwards the points of program p end before ``ends[p + 1]``,
     behind those of the program before.
@@ -273,8 +273,8 @@ def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
         ends[programs[point] + 2] += 1
     for program in range(1, ends.shape[0]):
         ends[program] += ends[program - 1]
-    # Now slot p + 1 says where program p begins; filling it moves it to where it ends. Two inputs
-    # go along; the others follow one by one.
+    # Now slot p + 1 is the first index of program p; filling moves it to the end. Two inputs are
+    # sorted along; the others follow one by one.
     first, last = k[COLUMNS], k[COLUMNS] + width * min(k[INPUTS] - 1, 1)
     one, other = block[first : first + programs.shape[0]], block[last : last + programs.shape[0]]
     first, last = k[ORDERED], k[ORDERED] + width * min(k[INPUTS] - 1, 1)
@@ -296,9 +296,9 @@ def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
 
 @kernel
 def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool:
-    """Bring an input into its range; add its share to the numbers of the programs.
+    """Clamp an input to its range; add its share to the program numbers.
 
-    Return whether it may have failed somewhere: there the numbers are below zero.
+    Return whether some point may have failed: its number is then below zero.
     """
     head = HEAD + INPUT_HEAD * i
     at = RANGE * i
@@ -306,8 +306,8 @@ def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool
     last = k[head + BUCKETS] - 1.0
     starts, edges, stride = k[head + STARTS_AT], k[head + EDGES_AT], k[head + STRIDE]
     count = programs.shape[0]
-    # Input by input, not point by point: its numbers stay in registers. And loop by loop, for all
-    # but the last take several points at once.
+    # Input by input, not point by point: its numbers stay in registers. Separate loops, since all
+    # but the last vectorise.
     if k[head + CLAMPED] != 0:
         for point in range(count):
             x[point] = min(max(x[point], low), high)
@@ -325,7 +325,7 @@ def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool
         failed = True
     if failed:
         for point in range(count):
-            # What other inputs add is less than the number of programs. NaN is in no range.
+            # Less than the number of programs is the sum of the other inputs. NaN is in no range.
             if not low <= x[point] <= high or not abs(x[point]) < math.inf:
                 programs[point] = -k[PROGRAMS]
     return failed
@@ -333,13 +333,13 @@ def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool
 
 @kernel
 def bucket_of(value: float, first: float, scale: float, last: float) -> float:
-    """Return the even bucket of a value, in front of its fraction; 0 for NaN."""
+    """Return the bucket number of a value, before truncation; 0 for NaN."""
     return min(max(0.0, (value - first) * scale), last)
 
 
 @kernel
 def next_cell(f: Any, edges: int, value: float, cell: int) -> int:
-    """Return the cell in which a value lies, from one near it on; FAILED if it is in none."""
+    """Return the cell of a value, searching from a cell near it; FAILED if there is none."""
     if not abs(value) < math.inf:
         return FAILED
     while value < f[edges + cell]:
@@ -351,7 +351,7 @@ def next_cell(f: Any, edges: int, value: float, cell: int) -> int:
 
 @kernel
 def _program_of_point(block: Any, k: Any, f: Any, inputs: int, columns: int) -> int:
-    """Bring the inputs of a point into their ranges; return its program, or FAILED."""
+    """Clamp the inputs of a point; return its program, or FAILED."""
     program = 0
     head = HEAD
     at = 0
@@ -362,8 +362,8 @@ def _program_of_point(block: Any, k: Any, f: Any, inputs: int, columns: int) -> 
             block[column] = value
         elif not f[at] <= value <= f[at + 1]:
             return FAILED
-        # A loop stays in a cell for many periods. Where that of the last point will do, what
-        # follows waits for a comparison only, which the processor foresees.
+        # A loop stays in a cell for many periods. If the cell of the last point still holds, the
+        # rest depends on one well-predicted branch only.
         edges, cell = k[head + EDGES_AT], k[head + LAST_CELL]
         if not f[edges + cell] <= value < f[edges + cell + 1]:
             last = k[head + BUCKETS] - 1.0
@@ -389,7 +389,7 @@ def run(block: Any) -> None:
     scratch = block[k[SCRATCH] : k[COLUMNS]]
     count = k[COUNT]
     width = k[WIDTH]
-    at = k[PROGRAM]  # walks through the program: every part returns where the next begins
+    at = k[PROGRAM]  # walks through the program: every part returns the index of the next
     for i in range(k[INPUTS]):
         begin = k[INPUT_ROWS] + i * width
         fuzzify(k, f, scratch, i, k[at], k[at + 1], block[begin : begin + count])
@@ -416,7 +416,7 @@ def run(block: Any) -> None:
         at = k[NEXT]
         begin = k[head + FLOATS_AT]
         bounds = f[begin : begin + OUTPUT_RANGE]
-        # Where nothing fired this is 0 / 0; `settle` looks at the total, not at the NaN.
+        # 0 / 0 where no rule fires; `settle` tests the total, not the NaN.
         if k[head + IS_MEAN] != 0:
             for point in range(count):
                 moment[point] = mean_of(bounds[3], moment[point], total[point])
@@ -430,12 +430,12 @@ def run(block: Any) -> None:
 
 @kernel
 def fuzzify(k: Any, f: Any, scratch: Any, i: int, line: int, lines: int, x: Any) -> None:
-    """Write down the degrees of an input: along straight lines, and of its curved terms."""
+    """Compute the degrees of an input: on straight lines, and of its curved terms."""
     width = k[WIDTH]
     count = x.shape[0]
     head = HEAD + INPUT_HEAD * i
-    # In a cell every straight term is one line. The rows are those of the cell: a row means
-    # another term elsewhere, and `record` in the layout has named it to the rules.
+    # In a cell every straight term is one line. Rows are numbered per cell: elsewhere a row is
+    # another term, and `record` in the layout wrote these numbers into the rules.
     row = k[head + SLOT]
     for _ in range(lines):
         begin = row * width
@@ -450,9 +450,9 @@ def fuzzify(k: Any, f: Any, scratch: Any, i: int, line: int, lines: int, x: Any)
 
 @kernel
 def _fuzzify_curves(k: Any, f: Any, scratch: Any, head: int, x: Any) -> None:
-    """Write down the degrees of the curved terms of an input."""
+    """Compute the degrees of the curved terms of an input."""
     width = k[WIDTH]
-    # They have rows of their own behind the most lines of any cell: they hold in all.
+    # Their rows, after the most lines of any cell, are the same in all cells.
     row = k[head + SLOT] + k[head + MOST_LINES]
     curve = k[head + CURVES_AT]
     for _ in range(k[head + CURVES]):
@@ -467,7 +467,7 @@ def _fuzzify_curves(k: Any, f: Any, scratch: Any, head: int, x: Any) -> None:
 @kernel
 def on_line(height: float, x_0: float, slope: float, x: float) -> float:
     """Return the degree on a straight line of a term."""
-    # Rounding may lead below 0 next to a foot; a line starts at its foot, else its top.
+    # Rounding may give less than 0 next to a foot; a line starts at its foot, else its top.
     return max(0.0, height + (x - x_0) * slope)
 
 
@@ -475,7 +475,7 @@ def on_line(height: float, x_0: float, slope: float, x: float) -> float:
 def _fuzzify_point(
     block: Any, k: Any, f: Any, scratch: Any, head: int, column: int, line: int, lines: int
 ) -> None:
-    """Write down the degrees of an input on straight lines at a point; see :func:`fuzzify`."""
+    """Compute the degrees of an input on straight lines at a point; see :func:`fuzzify`."""
     value = block[column]
     first = k[head + SLOT]
     for row in range(first, first + lines):
@@ -485,7 +485,7 @@ def _fuzzify_point(
 
 @kernel
 def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: Any) -> int:
-    """Bring values into the range, fill in the value where nothing fired; count the NaN."""
+    """Clamp values to the range, substitute the value for no rule; count the NaN."""
     low, high, silent = bounds[0], bounds[1], bounds[2]
     count = total.shape[0]
     for point in range(count):
@@ -501,7 +501,7 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
 
 @kernel
 def settled(mode: int, low: float, high: float, silent: float, total: float, value: float) -> float:
-    """Return a value brought into the range, or the one for points where nothing fired."""
+    """Return a value clamped to the range, or the one for points where no rule fires."""
     found = silent
     if total > 0.0:
         found = value
@@ -509,14 +509,14 @@ def settled(mode: int, low: float, high: float, silent: float, total: float, val
             found = min(max(found, low), high)
         elif mode == ERROR and not low <= found <= high:
             found = math.nan
-        if not abs(found) < math.inf:  # NaN too: the caller says which error that is
+        if not abs(found) < math.inf:  # NaN too: the caller finds the error
             found = math.nan
     return found
 
 
 @kernel
 def mean_of(centre: float, moment: float, total: float) -> float:
-    """Return the mean from a moment about a centre; 0 / 0 where nothing fired."""
+    """Return the mean from a moment about a centre; 0 / 0 where no rule fires."""
     return centre + moment / total
 
 
@@ -535,10 +535,10 @@ def at_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float
 
 @kernel
 def point_by_point(block: Any) -> None:
-    """Call `at_point`, as bound, at each point, see :mod:`fuzzyarm.inference.programs`.
+    """Call the bound `at_point` at each point, see :mod:`fuzzyarm.inference.programs`.
 
-    After the work rows comes a heap for the numbers of one point, which fits into the
-    nearest cache.
+    After the work rows lies a heap for the numbers of one point, small enough for the level 1
+    cache.
     """
     k, f, scratch, total, moment = parts_of(block)
     heap = scratch[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
@@ -548,7 +548,7 @@ def point_by_point(block: Any) -> None:
 
 @kernel
 def made_of(k: Any, heap: Any, first: float, second: float, third: float, fourth: float) -> float:
-    """Return the value that an output makes of several numbers."""
+    """Return the value of an output computed from several numbers."""
     at = heap.shape[0] - CHOICE_ROOM
     heap[at], heap[at + 1], heap[at + 2], heap[at + 3] = first, second, third, fourth
     one = heap[at : at + 1]
@@ -561,8 +561,8 @@ def made_of(k: Any, heap: Any, first: float, second: float, third: float, fourth
 def _defuzzified_point(
     block: Any, k: Any, scratch: Any, head: int, groups: int, at: int
 ) -> tuple[float, float, int]:
-    """Let a defuzzifier add up total and moment of a point; return them and the index behind."""
-    # Nothing was sorted: it reads the columns where `sweep` has it read a copy.
+    """Return total and moment of a point by the output's defuzzifier, and the next index."""
+    # Nothing was sorted: it reads the columns, in `sweep` their sorted copy.
     k[INPUT_ROWS], k[FIRST], k[COUNT] = k[COLUMNS], 0, 1
     k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at
     total = k[WORK] + TOTAL
@@ -577,7 +577,7 @@ def _defuzzified_point(
 def _value_of_output(
     k: Any, f: Any, scratch: Any, head: int, total: float, moment: float, grid: bool
 ) -> float:
-    """Return the value of an output at a point, before it is brought into its range."""
+    """Return the value of an output at a point, not yet clamped."""
     value = moment
     if (grid or k[head + IS_MEAN] != 0) and total > 0.0:
         value = mean_of(f[k[head + FLOATS_AT] + 3], moment, total)

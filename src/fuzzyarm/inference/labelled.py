@@ -1,8 +1,7 @@
-"""Inputs as callers have them: numbers, arrays, and Series, DataFrames and DataArrays.
+"""Inputs in callers' containers: numbers, arrays, Series, DataFrames and DataArrays.
 
 Series, frames and labelled arrays come back with their index, or dims and coordinates. pandas and
-xarray are known by the names of their types alone: whoever has none of their values does not load
-them.
+xarray are recognised by the names of their types: without such values they are not imported.
 """
 
 from __future__ import annotations
@@ -19,13 +18,12 @@ from fuzzyarm.language.model.rulebase import Variable
 def gathered(
     inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
 ) -> tuple[dict[str, Any], Labels | None]:
-    """Put inputs from both ways of giving them together.
+    """Merge inputs passed in a container and by name.
 
     Parameters
     ----------
     inputs : mapping, DataFrame, Dataset or None
-        Inputs by name. Columns of a frame (and variables of a Dataset) that are not inputs are
-        passed over.
+        Inputs by name. Other columns of a frame (and variables of a Dataset) are ignored.
     named : mapping of str to object
         Further inputs.
     variables : sequence of Variable
@@ -36,7 +34,7 @@ def gathered(
     given : dict of str to float or array_like
         Without labels.
     labels : Labels or None
-        Which put them on the results; None if there are none.
+        Those to put on the results; None if there are none.
 
     Raises
     ------
@@ -45,7 +43,7 @@ def gathered(
     """
     values_by_name = by_name(inputs, named, variables)
     for value in values_by_name.values():
-        if type(value) is not float and _library(value):  # floats are most, and this is quick
+        if type(value) is not float and _library(value):  # mostly floats, and this test is fast
             break
     else:
         return values_by_name, None
@@ -59,7 +57,7 @@ def gathered(
 
 
 def by_name(inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]) -> dict[str, Any]:
-    """Return inputs from both ways of giving them; parameters and errors as of :func:`gathered`."""
+    """Return merged inputs; parameters and errors as of :func:`gathered`."""
     if inputs is None:
         return dict(named)
     names = [variable.name for variable in variables]
@@ -87,7 +85,7 @@ def _call_by_name(inputs: Any, names: Sequence[str]) -> str:
 
 
 def _library(value: Any) -> str:
-    """Return ``pandas`` or ``xarray`` for a value that one of them labels, else nothing."""
+    """Return ``pandas`` or ``xarray`` for a value labelled by one of them, else ''."""
     library = type(value).__module__.partition(".")[0]
     if library == "pandas" and hasattr(value, "index") and hasattr(value, "to_numpy"):
         return library
@@ -102,7 +100,7 @@ class Labels:
         self._container = container
 
     def on(self, results: Mapping[str, Any]) -> Any:
-        """Return the outputs with the labels, and in the container that the inputs came in."""
+        """Return the outputs with the labels, in the container of the inputs."""
         wrapped = {name: self._wrap(name, values) for name, values in results.items()}
         return wrapped if self._container is None else self._container(wrapped)
 

@@ -1,8 +1,7 @@
 """A rule base as the numbers that the kernel reads: its picture is in :mod:`.block`.
 
-The writer goes through a plan once: inputs are cut into cells, each combination of cells
-becomes a program with the rules that can fire in it, and every output adds the inputs of its
-defuzzifier.
+The writer goes through a plan once: inputs are cut into cells, each combination of cells becomes a
+program with the rules that can fire in it, and every output adds the tables of its defuzzifier.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ Proposition = tuple[str, str, tuple[Hedge, ...]]
 
 
 class _Truth(NamedTuple):
-    """An expression in parentheses, under a number below 0: propositions have the others."""
+    """An expression in parentheses, numbered below 0; propositions are numbered from 0."""
 
     number: int
     norm: int
@@ -58,7 +57,7 @@ class _Truth(NamedTuple):
 
 
 class _Numbered(NamedTuple):
-    """Rules of a plan, the numbers of their propositions, and the rules in these."""
+    """Rules of a plan, the numbers of their propositions, and the numbered rules."""
 
     planned: tuple[PlannedRule, ...]
     numbers: dict[Proposition, int]
@@ -87,17 +86,16 @@ def lay_out(
     compiled : bool
         Whether the kernel will run as machine code: row functions have other addresses then.
     addresses : Addresses, optional
-        Who numbers the functions; by default they are addresses in this process.
+        The numbering of functions; by default by address in this process.
     editable : str
-        A variable whose terms are to have numbers of their own, so that they can be changed in
-        place: an input without cells, an output without closed forms. It takes longer to
-        evaluate, and its last bits differ.
+        A variable whose terms keep numbers of their own, which can be changed in place: an input
+        without cells, an output without closed forms. Evaluation is slower, and last bits differ.
     point_only : bool
-        For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
-        is 0.
+        For :func:`fuzzyarm.inference.kernel.evaluate` only: addresses of its built-in functions are
+        0.
     plain : bool
-        For the interpreted kernel: plain Python (inverses of one's own, a search for exact maxima)
-        may be in it.
+        For the interpreted kernel: it may contain plain Python (a user's inverse, a search for
+        exact maxima).
 
     Returns
     -------
@@ -154,7 +152,7 @@ class _Writer:
         self.floats: list[float] = []
 
     def _number_rules(self) -> None:
-        """Give propositions numbers; rules that a plan before had, as in tuning, keep theirs."""
+        """Assign numbers to propositions; rules of the last plan, as in tuning, keep theirs."""
         self.numbers: dict[Proposition, int] = {}
         self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
         for numbered in _last_numbered:
@@ -206,7 +204,7 @@ class _Writer:
         return self.truths[key].number
 
     def _asserted(self, part: Is) -> int:
-        """Return the number of the assertion of a term: strengths folded as sets are."""
+        """Return the number of the assertion of a term: strengths folded like those of a set."""
         key = (part, "", "")
         if key not in self.truths:
             output = self.plan.outputs[part.variable]
@@ -228,7 +226,7 @@ class _Writer:
             weighs = rule.weight != 1.0 or planned.threshold > 0.0
             weighing = weighed_strength(rule.weight, planned.threshold)
             address = self.addresses.expression(weighing, ()) if weighs else 0
-            # One operand alone would not be written down.
+            # A single operand is no expression of its own.
             operands = operands * 2 if len(operands) == 1 and norm == at.MIN else operands
             self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, address)
         return self.truths[key].number
@@ -236,7 +234,7 @@ class _Writer:
     # ── inputs ───────────────────────────────────────────────────────────────────────
 
     def _cut_inputs(self) -> None:
-        """Cut the inputs into cells; not all of them where that would make too many programs."""
+        """Cut the inputs into cells; not all of them if that makes too many programs."""
         inputs = self.plan.rulebase.inputs
         uncut = {self.editable}
         while True:
@@ -253,7 +251,7 @@ class _Writer:
             uncut.add(largest)
 
     def _cut(self, uncut: set[str]) -> None:
-        """Cut the inputs; all degrees of those in `uncut` are found by row functions."""
+        """Cut the inputs into cells; row functions compute all degrees of those in `uncut`."""
         self.alive: dict[int, list[Sequence[int]]] = {}
         self.cells: list[InputCells] = []
         self.curves: list[list[tuple[int, Curve]]] = []
@@ -326,7 +324,7 @@ class _Writer:
         ]
         programs = len(self.whole)
         self._write_programs(writers, strides, stride)
-        # Behind the programs, for how many buckets there are depends on numbers, not on the form.
+        # After the programs: the number of buckets depends on the numbers, not on the form.
         for i, cells in enumerate(self.cells):
             self.whole[at.HEAD + at.INPUT_HEAD * i + at.STARTS_AT] = len(self.whole)
             self.whole += cells.starts
@@ -343,11 +341,11 @@ class _Writer:
     def _write_programs(
         self, writers: Sequence[OutputWriter], strides: Sequence[int], count: int
     ) -> None:
-        """Write the programs, or take over those of a layout that differs in its floats only.
+        """Write the programs, or reuse those of a layout with the same form.
 
-        They are nearly all of the work, and contain only positions: where the same terms meet
-        in the same cells, and the same of their numbers have the same positions, they are equal.
-        So a rule base whose terms are moved a little, as in tuning, costs a fraction.
+        They are nearly all of the work, and contain only indices: they are equal if the same terms
+        meet in the same cells, with their numbers at the same indices. So a rule base with slightly
+        moved terms, as in tuning, costs a fraction.
         """
         first = len(self.whole)
         places = (first, count, self.operands, self.rule_floats[:1], self.lines)
@@ -366,7 +364,7 @@ class _Writer:
             self._write_each_program(writers, strides, count)
             if len(self.whole) - first <= MOST_KEPT:
                 if len(_programs) >= MOST_KNOWN:
-                    _programs.clear()  # in one step, for other threads write, too
+                    _programs.clear()  # in one step: other threads write, too
                 rows = tuple(writer.heights for writer in writers)
                 _programs[key] = (tuple(self.whole[first:]), rows)
             return
@@ -402,7 +400,8 @@ class _Writer:
             clamped = variable.outside == "clamp"
         self.floats[at.RANGE * i : at.RANGE * (i + 1)] = [low, high, cells.first, cells.scale]
         edges = len(self.floats)
-        # An infinite value lies in no cell: to other engines its lines have degrees, too.
+        # An infinite value lies in no cell, though its lines have degrees there: other engines
+        # serve it.
         self.floats += [-sys.float_info.max, *cells.edges[1:]]
         listed = [sorted(lines) for lines in cells.lines]
         most = max(map(len, listed))
@@ -447,13 +446,13 @@ class _Writer:
             self.whole += [rows.get(part, self.zero) for part in operands]
 
     def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
-        """Return [norm, weight, operands …] of a rule; that of zeros for a term that is 0 there."""
+        """Return [norm, weight, operands …] of a rule; the row of zeros for a zero term."""
         zero = self.zero
         record = [rule.norm, self.rule_floats[rule.number]]
         record += [rows.get(part, zero) for part in rule.parts]
         missing = self.operands - len(rule.parts)
         if missing:
-            is_by_itself = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
+            is_by_itself = rule.norm not in at.BY_ITSELF  # which skips a row of ones
             neutral = self.one if rule.conjunction or is_by_itself else zero
             if rule.norm == at.MIN and max(rule.parts) < 0:  # a sum in parentheses may exceed 1
                 neutral = record[-1]
@@ -462,12 +461,12 @@ class _Writer:
 
 
 def _lacks_values(hedges: tuple[Hedge, ...]) -> bool:
-    """Whether hedges have no value at a sum of degrees, which may exceed 1."""
+    """Whether hedges are undefined for a sum of degrees above 1."""
     return any(math.isnan(apply_hedges(hedges, 1.0 + i / 8)) for i in range(1, 17))
 
 
 def _homes(cells: InputCells) -> dict[int, list[int]]:
-    """Return of each straight proposition in which cells it is not zero."""
+    """Return for each straight proposition the cells where it is nonzero."""
     homes: dict[int, list[int]] = {}
     for cell, lines in enumerate(cells.lines):
         for part in lines:

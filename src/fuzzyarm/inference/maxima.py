@@ -1,14 +1,14 @@
-"""The positions at which an aggregate is greatest, exactly, under other aggregations than ``max``.
+"""The exact positions of an aggregate's maximum, under other aggregations than ``max``.
 
-Under ``max`` they are level cuts of the strongest sets, which :mod:`.positions` finds. Here the
-range is cut where a set bends, where an implication clips one and where the
-aggregate reaches 1. In between every straight set is cut to a line (by the implications in
-LINEAR), and the aggregate is greatest at an end of the cell, or constant: sums of lines are
-lines; and with a convex g, −log(1 − a), a / (1 − a) or artanh a, the norms probor, hamacher
-and einstein are the inverse of a sum of g. Curved sets and other norms are searched instead:
-heights are then right to 1e-15, positions on a round top to some 1e-8 of the range.
+Under ``max`` they are level cuts of the strongest sets (:mod:`.positions`). Here the range is cut
+where a set bends, where an implication clips one and where the aggregate reaches 1. In between
+every straight set is cut to a line (by the implications in LINEAR), and the aggregate is greatest
+at an end of the cell, or constant: sums of lines are lines; and with a convex g, −log(1 − a), a /
+(1 − a) or artanh a, the norms probor, hamacher and einstein are the inverse of a sum of g. Curved
+sets and other norms are searched instead: heights are then accurate to 1e-15, positions on a round
+top to some 1e-8 of the range.
 
-All of it is plain Python, which the interpreted kernel calls.
+All of it is plain Python, called by the interpreted kernel.
 """
 
 from __future__ import annotations
@@ -58,12 +58,12 @@ Heights = list[tuple[float, float, float]]
 
 
 class SearchedMaxima:
-    """An output whose exact maxima the interpreted kernel searches.
+    """An output with a search for exact maxima in the interpreted kernel.
 
     Attributes
     ----------
     number : int
-        By which a layout names it, as long as that lives.
+        Its number in the layout, valid for the layout's life.
     """
 
     def __init__(self, plan: OutputPlan) -> None:
@@ -83,7 +83,7 @@ _searched: WeakValueDictionary[int, SearchedMaxima] = WeakValueDictionary()
 def position_of_searched(
     k: Any, f: Any, scratch: Any, heap: Any, point: int
 ) -> tuple[float, float]:
-    """Return something above 0 where a rule fires, and the value; each rule is a group."""
+    """Return the greatest strength (0: no rule fires) and the value; each rule is a group."""
     fired = []
     place = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -105,7 +105,7 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
         edges |= {piece.x0 for piece in member.pieces}
         searched |= member.implication not in LINEAR
         searched |= any(not piece.straight for piece in member.pieces)
-        # A cut adds edges where the degree passes the strength (or what clips at it).
+        # A cut adds edges where the degree passes the strength, or the clipping level.
         for offset, factor in CLIPPING.get(member.implication, ()):
             for interval in cut(member.pieces, member.membership, offset + factor * strength):
                 edges |= {*interval}
@@ -135,10 +135,10 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
 def _cells_to_search(
     plan: OutputPlan, fired: Fired, cells: Intervals, reached: float
 ) -> tuple[Heights, Intervals]:
-    """Return cells over which an aggregate is level, and those where it may exceed `reached`.
+    """Return cells with a constant aggregate, and those where it may exceed `reached`.
 
-    In a cell every set is a part of one of its monotone pieces, so that its ends bound it, and
-    norms rise with every degree: most cells need no search.
+    In a cell every set is monotone, so its ends bound it, and norms rise with every degree: most
+    cells need no search.
     """
     norm = SNORMS[plan.output.aggregation].scalar
     ends = {index: _degrees_at_ends(plan.members[index], cells) for index, _ in fired}
@@ -184,7 +184,7 @@ def _degrees_at_ends(member: Member, cells: Intervals) -> list[tuple[float, floa
 
 
 def _joined(stretches: Intervals) -> Intervals:
-    """Return stretches with those that touch as one: a plateau may go on beyond a corner."""
+    """Return stretches with adjacent ones joined: a plateau may go on beyond a corner."""
     merged: Intervals = []
     for start, end in sorted(stretches):
         if merged and start <= merged[-1][1]:
@@ -195,7 +195,7 @@ def _joined(stretches: Intervals) -> Intervals:
 
 
 def _apart(heights: Heights, near: float) -> Intervals:
-    """Return the highest of the positions that are close to each other, as points."""
+    """Return the highest of each cluster of positions, as points."""
     groups: list[list[tuple[float, float]]] = []
     for x, height in sorted((x, height) for height, start, end in heights for x in (start, end)):
         if groups and x - groups[-1][-1][0] <= near:
@@ -207,7 +207,7 @@ def _apart(heights: Heights, near: float) -> Intervals:
 
 
 def _greatest_on_lines(plan: OutputPlan, fired: Fired, x0: float, x1: float) -> Heights:
-    """Return the heights at the ends of a cell, seen from inside, and where it is constant."""
+    """Return the one-sided heights at the ends of a cell, and constant stretches."""
     norm = SNORMS[plan.output.aggregation].scalar
     ends = [_ends_of_line(plan.members[index], strength, x0, x1) for index, strength in fired]
     shares = {0.0, 1.0}
@@ -233,9 +233,9 @@ def _greatest_on_lines(plan: OutputPlan, fired: Fired, x0: float, x1: float) -> 
 
 
 def _ends_of_line(member: Member, strength: float, x0: float, x1: float) -> tuple[float, float]:
-    """Return the limits of a cut set at the ends of a cell where it is one line (or nearly so).
+    """Return the one-sided limits of a cut set at the ends of a cell where it is (nearly) straight.
 
-    From two positions inside: at the ends the set, or its implication, may jump.
+    Extrapolated from two inner points: at the ends the set, or its implication, may jump.
     """
     implication = TNORMS[member.implication].scalar
     first = implication(strength, member.membership(x0 + 0.25 * (x1 - x0)))
@@ -272,7 +272,7 @@ def _widened(
             if all(value(a + share * (b - a)) >= greatest * (1.0 - SAME) for share in (0.3, 0.5)):
                 wide.append((a, b))
         step = (x1 - x0) / STEPS_OF_CURVES
-        # A curved top may be level beyond the last sample: how far, by bisection.
+        # A curved top may be flat beyond the last sample: its extent, by bisection.
         for start, way in ((inside[0], -step), (inside[-1], step)) if inside else ():
             end = min(x1, max(x0, start + way))
             reach = bisect(lambda x: float(value(x) >= greatest), start, end, 0.5)
@@ -287,7 +287,7 @@ def _figures(intervals: Intervals) -> Figures:
 
 
 def _mean(intervals: Intervals, reach: float) -> float:
-    """Return the mean of all positions from `reach` on; that of points where all are points."""
+    """Return the mean of all positions from `reach` on; of points, if all are points."""
     length = moment = 0.0
     for start, end in sorted(intervals):
         begin = max(start, reach)
@@ -302,5 +302,5 @@ def _mean(intervals: Intervals, reach: float) -> float:
 
 
 def nearest_to_zero(positions: Iterable[float]) -> float:
-    """Return the position nearest to 0; of equally near ones the first."""
+    """Return the position nearest to 0; of two equally near ones the first."""
     return min(positions, key=abs)

@@ -59,14 +59,14 @@ class LaidRule(NamedTuple):
 
 
 class Base(Protocol):
-    """The layout that an output is part of.
+    """The layout around an output.
 
     Attributes
     ----------
     plan : Plan
         Of the whole rule base.
     addresses : Addresses
-        Who numbers the functions.
+        The numbering of functions.
     editable : str
         The variable whose terms can be changed in place.
     point_only : bool
@@ -78,7 +78,7 @@ class Base(Protocol):
     searches : list of SearchedMaxima
         Plain Python that the interpreted kernel calls.
     operands : int
-        The most of a rule.
+        Of the longest rule.
     """
 
     plan: Plan
@@ -118,7 +118,7 @@ def _numbers_wanted() -> dict[Node, float]:
 
 
 def wanted(plan: OutputPlan) -> float:
-    """Return the last float of an output whose value is found: which number it is made of."""
+    """Return the last float of an output with values: the number of the requested position."""
     from fuzzyarm.inference import positions
 
     record, way = plan.record, plan.output.defuzzifier
@@ -135,7 +135,7 @@ def wanted(plan: OutputPlan) -> float:
 def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
     """Return the post-processing functions of a defuzzifier: of one number, and of several.
 
-    Row functions by number, 0 where there is nothing to do or the kernel does it.
+    Row functions by number, 0 for none or a built-in one.
     """
     record = plan.record
     first, *rest = record.aspect.figures
@@ -144,7 +144,7 @@ def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
     root = replace(record.expression, {first: symbol("x")})
     if not rest:
         return addresses.expression(root, ()), 0
-    return 0, addresses.expression(root, (*rest, "none", "nothing")[:3])  # as `made_of` gives them
+    return 0, addresses.expression(root, (*rest, "none", "nothing")[:3])  # the order of `made_of`
 
 
 class OutputWriter:
@@ -162,7 +162,7 @@ class OutputWriter:
     Attributes
     ----------
     heights, samples : int
-        How many rows of heights its programs need, and half of the length of its heap.
+        Number of rows of heights in its programs, and half the length of its heap.
     """
 
     def __init__(self, base: Base, plan: OutputPlan, head: int) -> None:
@@ -179,7 +179,7 @@ class OutputWriter:
         for member, rule in plan.contributions:
             self.members.setdefault(rule, []).append(member)
         self.consequents = [0] * len(plan.members)
-        self.terms: dict[tuple[int, ...], list[int]] = {}  # by the sets that may fire
+        self.terms: dict[tuple[int, ...], list[int]] = {}  # by firing sets
         detail = self._write_detail()
         base.floats[floats + 3] = self._last_float()
         fold = self._norm(SNORMS[output.aggregation], "S")
@@ -220,7 +220,7 @@ class OutputWriter:
 
     @property
     def _is_max_min(self) -> bool:
-        """Whether its rules are conjunctions under min that count in full, united by max."""
+        """Whether its rules are conjunctions under min, of weight 1, united by max."""
         rules = [rule for rule in self.base.rules if rule.number in self.members]
         return (
             self.plan.output.aggregation == "max"
@@ -231,7 +231,7 @@ class OutputWriter:
 
     def _write_layers(self) -> int:
         form = self.plan.closed
-        if form is None:  # an output that no rule concludes
+        if form is None:  # an output without rules
             self.set_layers: list[tuple[int, int]] = []
             self.overlaps: list[tuple[int, tuple[int, ...], tuple[int, int]]] = []
             return 0
@@ -254,18 +254,18 @@ class OutputWriter:
         assert count is not None
         floats += sample_positions(output.low, output.high, output.defuzzifier)
         floats += weights(count, output.defuzzifier.sampling)
-        # Two rows, or three, where both sides of an interval type-2 set are sampled.
+        # Two rows; three where both sides of an interval type-2 set are sampled.
         self.samples = (3 * count + 1) // 2 if self.plan.record.type2 else max(AT_ONCE, count)
         if self.program is JOINED:
             self.samples = 2 * (2 + self._most_groups)
-        # In one pass: quicker as machine code, and slower where it is interpreted.
+        # In one pass: faster as machine code, slower interpreted.
         padded = self.base.addresses.compiled and count * len(self.plan.members) <= MOST_PADDED
         for i, member in enumerate(self.plan.members):
             sampled = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
             begin, heights = sampled.first, sampled.heights
-            if self.editable:  # a sample for each position, also where the set is 0 now
+            if self.editable:  # samples over the whole range, zeros too
                 begin, heights = 0, sampled.over(count)
             self.consequents[i] = len(self.base.whole)
             cut = self._norm(TNORMS[member.implication], "T")
@@ -284,14 +284,14 @@ class OutputWriter:
 
     @property
     def _most_groups(self) -> int:
-        """The most groups of a cell: under other unions than ``max`` every rule is one."""
+        """Return the most groups of a cell: under other unions than ``max`` every rule is one."""
         return max(len(self.plan.members), len(self.plan.contributions))
 
     def _side(self, member: int) -> int:
         return self.plan.sides[member] if self.plan.sides else UPPER
 
     def _mark(self, sort: str, member: int, begin: int, capacity: int) -> None:
-        """Record the positions of an unhedged consequent's numbers in a loose layout."""
+        """Record the positions of an unhedged consequent's numbers in an editable layout."""
         term_member, output = self.plan.members[member], self.plan.output
         if self.editable and not term_member.hedges:
             counted, scaled = self.consequents[member], term_member.implication == "product"
@@ -355,7 +355,8 @@ class OutputWriter:
         detail = len(whole)
         whole += [self._floats(constants), len(plan.members), len(edges), self._floats(edges)]
         whole += [len(crossing), begin]
-        # At most two clips and four crossings of lines; under other norms than max every rule.
+        # At most two clips and four crossings for each set; under other unions than max for each
+        # rule.
         each_rule = 1 if plan.output.aggregation == "max" else len(plan.contributions)
         most = len(edges) + 4 * len(crossing)
         most += 2 * each_rule * sum(len(member.pieces) for member in plan.members)
@@ -364,7 +365,7 @@ class OutputWriter:
         return detail
 
     def _floats(self, numbers: Iterable[float]) -> int:
-        """Append numbers; return where they begin."""
+        """Append numbers; return the index of the first."""
         begin = len(self.base.floats)
         self.base.floats += map(float, numbers)
         return begin
@@ -383,7 +384,7 @@ class OutputWriter:
         return count
 
     def _write_pairs(self) -> int:
-        """Write values between two; see :mod:`fuzzyarm.inference.type_reduction_kernel`."""
+        """Write interval values; see :mod:`fuzzyarm.inference.type_reduction_kernel`."""
         from fuzzyarm.inference import type_reduction_kernel
 
         count = len(self.base.plan.rulebase.inputs)
@@ -397,7 +398,7 @@ class OutputWriter:
         return len(self.plan.pairs)
 
     def _value(self, member: int, count: int) -> int:
-        """Append the constant and the coefficients of a value; return where they begin."""
+        """Append the constant and the coefficients of a value; return the index of the first."""
         value, shape = self.plan.members[member].value, self.plan.members[member].term.shape
         if value is not None:
             return self._floats([value, *[0.0] * count])
@@ -432,7 +433,7 @@ class OutputWriter:
         return self.base.searches[-1].number
 
     def _set(self, member: Member, pieces: Sequence[Sequence[float]]) -> list[int]:
-        """Return the function of a set and its pieces, as :data:`positions.FUNCTION` begins."""
+        """Return the row function of a set and its pieces, from :data:`positions.FUNCTION` on."""
         address, numbers = Curve(0, ())
         if any(piece[-1] != 0.0 for piece in pieces):
             address, numbers = self.base.addresses.curve(member.term.shape, member.hedges)
@@ -442,7 +443,7 @@ class OutputWriter:
         ]  # fmt: skip
 
     def _piece(self, member: Member, piece: Piece, *, inside: bool) -> list[float]:
-        """Return the numbers of a piece; a search of a curve may begin just inside its ends."""
+        """Return the numbers of a piece; the search on a curve may begin just inside its ends."""
         ends = [piece.x0, piece.y0, piece.x1, piece.y1]
         if piece.straight:
             return [*ends, 0.0, 0.0, 0.0]
@@ -469,7 +470,7 @@ class OutputWriter:
     def _number(
         self, member: Member, inputs: Sequence[str]
     ) -> tuple[int, list[int], Sequence[float]]:
-        """Return how a number is found, its head, and its own numbers."""
+        """Return the kind of a value, its head, and its own numbers."""
         from fuzzyarm.inference import positions
 
         shape, addresses = member.term.shape, self.base.addresses
@@ -506,7 +507,7 @@ class OutputWriter:
         return positions.LINEAR, none, [constant_term, *coefficients]
 
     def places(self) -> tuple[object, ...]:
-        """Return all that :meth:`write` reads of this output."""
+        """Return all data of this output on which :meth:`write` depends."""
         united = self.plan.output.aggregation == "max"
         values = self._has_values
         layers = (self.set_layers, self.overlaps) if self.program is CLOSED else None
@@ -534,7 +535,7 @@ class OutputWriter:
             grouped: dict[int, list[LaidRule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
-            # In the order of the sets, whatever the cell: exported programs add them up so, too.
+            # In the order of the sets in every cell: exported programs have the same order of sums.
             yield from sorted(grouped.items())
         else:
             for member, rule in entries:
@@ -546,7 +547,7 @@ class OutputWriter:
         return self.program.reads in ("values", "numbers", "pairs")
 
     def _terms(self, members: Sequence[int]) -> list[int]:
-        """Return unions of heights and terms of the closed form, where these sets may fire."""
+        """Return unions of heights and terms of the closed form for some firing sets."""
         terms = [(g, g, self.set_layers[member]) for g, member in enumerate(members)]
         unions: list[list[int]] = []
         if self.plan.output.aggregation == "max":
@@ -576,7 +577,7 @@ def _renamed(root: Node, names: Sequence[str], others: Sequence[str]) -> Node:
 
 
 def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
-    """Return the lines of a cut set as (α₀, α₁, β₀, β₁): (α₀ + α₁ w) + (β₀ + β₁ w) μ."""
+    """Return the lines of a set cut at w as (α₀, α₁, β₀, β₁): (α₀ + α₁ w) + (β₀ + β₁ w) μ."""
     at_0, at_1 = cut_lines(implication, 0.0), cut_lines(implication, 1.0)
     return [
         (alpha_0, alpha_1 - alpha_0, beta_0, beta_1 - beta_0)

@@ -1,17 +1,16 @@
 """The area and the moment of a union of clipped sets, in closed form.
 
-Let every set be made of straight pieces, μ₁ … μₙ, cut at the heights h₁ … hₙ; wanted are
-area and moment of A = max min(hₖ, μₖ). Between neighbouring corners and crossings of the
-sets their order is fixed, say μ₁ ≥ μ₂ ≥ …; there, with Hₖ = max(h₁ … hₖ₋₁) and
-F(h) = ∫ min(h, μₖ),
+Let the sets μ₁ … μₙ be piecewise linear, cut at the heights h₁ … hₙ; sought are area and moment of
+A = max min(hₖ, μₖ). Between neighbouring corners and crossings of the sets their order is fixed,
+say μ₁ ≥ μ₂ ≥ …; there, with Hₖ = max(h₁ … hₖ₋₁) and F(h) = ∫ min(h, μₖ),
 
     ∫ A = Σₖ F(hₖ) − F(min(hₖ, Hₖ)).
 
-(For a level t between Hₖ and hₖ the set k is the widest of those that reach t, and only
-it counts.) All the integrals F of one argument merge into a piecewise quadratic for the
-area and a piecewise cubic for the moment. So an inference needs no breakpoints, no
-sorting and no samples: it adds a few polynomials of the heights. Where at most two sets
-overlap this is the sum of the clipped sets minus the overlaps of neighbours.
+(For a level t between Hₖ and hₖ set k is the widest that reaches t, so it alone counts.) All the
+integrals F of one argument merge into a piecewise quadratic for the area and a piecewise cubic for
+the moment. So an inference needs no breakpoints, no sorting and no samples: it adds a few
+polynomials of the heights. Where at most two sets overlap this is the sum of the clipped sets minus
+the overlaps of neighbours.
 """
 
 from __future__ import annotations
@@ -129,7 +128,7 @@ def closed_form(
             members = [member for member, _ in ranked]
             for rank in range(1, len(ranked)):
                 member, above = members[rank], tuple(sorted(members[:rank]))
-                if len(above) == 1 and above[0] > member:  # min(h1, h2) whichever is above
+                if len(above) == 1 and above[0] > member:  # min(h1, h2) in either order
                     member, above = above[0], (member,)
                 stretches.setdefault((member, above), []).append(ranked[rank][1])
     overlaps = tuple(
@@ -140,7 +139,7 @@ def closed_form(
 
 
 def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _MembershipLine]]]:
-    """Cut all sets at all corners; a cell lists the sets that are not zero there."""
+    """Cut all sets at all corners; a cell lists its nonzero sets."""
     edges = sorted({x for pieces in profiles for piece in pieces for x in (piece.x0, piece.x1)})
     cells: list[list[tuple[int, _MembershipLine]]] = [[] for _ in edges[1:]]
     index_of = {x: i for i, x in enumerate(edges)}
@@ -185,7 +184,7 @@ def _layers(lines: Sequence[_MembershipLine], centre: float, same_level: float) 
     levels = _levels(lines, same_level)
     layers = []
     for start, end in pairwise(levels):
-        total = [0 * abs(centre)] * 5  # a zero of the kind of number that the lines are of
+        total = [0 * abs(centre)] * 5  # a zero of the number type of the lines
         for line in lines:
             for i, term in enumerate(_share(line, start, end, centre, same_level)):
                 total[i] += term

@@ -1,8 +1,7 @@
 """A rule base prepared for evaluation: dependencies and order.
 
 A plan is data in plain Python, shared by the kernel's layout, explanations and proofs. Making it
-also finds errors that the model itself does not rule out: unknown names, cycles, ranges that an
-integral cannot take.
+also finds errors that a model may have: unknown names, cycles, ranges unfit for an integral.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ if TYPE_CHECKING:
 
 
 class Member(NamedTuple):
-    """A consequent of an output, once for all the rules that share it.
+    """A consequent of an output, one for all the rules that share it.
 
     Attributes
     ----------
@@ -64,9 +63,9 @@ class Member(NamedTuple):
     pieces : tuple of Piece
         The set over the range of the output; empty for values.
     value : float or None
-        The representative number of the consequent: of a singleton, or the middle of a
-        core under a weighted defuzzifier. None where it depends on the inputs, and for
-        sets that are integrated.
+        The representative number of the consequent: the position of a singleton, or the middle of
+        the core under a weighted defuzzifier. None for a function of the inputs, and for integrated
+        sets.
     formula : Formula or None
         Of a ``formula`` consequent.
     """
@@ -94,13 +93,13 @@ class OutputPlan(NamedTuple):
     contributions : tuple of (int, int)
         (index of a member, index of a rule), in the order of the rules.
     discrete : bool
-        Whether all members are numbers rather than sets to be integrated.
+        Whether all members are numbers, without sets to integrate.
     closed : ClosedForm or None
         Closed form of the exact centroid, if there is one.
     stretches : tuple of Stretch
-        Where sets may cross, for integration piece by piece.
+        Stretches where sets may cross, for integration piece by piece.
     sides : tuple of int
-        For each member whether it is one of the upper or of the lower set, ``UPPER`` or
+        The side of each member, ``UPPER`` or
         ``LOWER`` of :mod:`.firing_intervals`; empty for a set of type 1.
     pairs : tuple of (int, int)
         The upper and the lower member of each consequent.
@@ -131,12 +130,12 @@ class OutputPlan(NamedTuple):
 
     @property
     def in_order(self) -> bool:
-        """Whether the order of its rules changes bits: they are added up, not united."""
+        """Whether the order of its rules determines bits: strengths are added, not united."""
         return self.output.aggregation != "max"
 
 
 class PlannedRule(NamedTuple):
-    """A rule with the norms of its block and the outputs that its antecedent reads as sets."""
+    """A rule with the norms of its block and the outputs whose sets its antecedent reads."""
 
     rule: Rule
     conjunction: str
@@ -171,7 +170,7 @@ class Plan(NamedTuple):
 
 @remembered
 def plan(rulebase: RuleBase) -> Plan:
-    """Prepare a rule base; the last few are remembered.
+    """Prepare a rule base; the last few are cached.
 
     Parameters
     ----------
@@ -186,7 +185,7 @@ def plan(rulebase: RuleBase) -> Plan:
     Raises
     ------
     InferenceError
-        If the model cannot be evaluated; the message says where.
+        If the model cannot be evaluated; the message names the position.
     """
     if rulebase.is_type2:
         _check_variables(rulebase)
@@ -251,7 +250,7 @@ _last_ordered: list[_Ordered] = []
 
 
 def _order_once(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule, ...]]:
-    """Check and order the rules, or find them among the last ones.
+    """Check and order the rules; cached.
 
     In tuning terms move, and everything else is the same object in one rule base after another.
     """
@@ -289,7 +288,7 @@ def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule
             if last.get(name, -1) < number and name not in complete:
                 complete.add(name)
                 steps.append(name)
-        # Concluded by this block too: rules then read the degree of a term, not a value.
+        # Concluded by this block too: its rules read degrees of terms, not a value.
         open_outputs = frozenset(name for name in names if last.get(name, -1) == number)
         start = len(rules)
         rules += [
@@ -330,7 +329,7 @@ def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
         return waiting
     ordered: list[int] = []
     while waiting:
-        # Rounds of Kahn's algorithm, over whole rounds so that rules keep their order.
+        # Kahn's algorithm in whole rounds, so that rules keep their order.
         unfinished = {c.variable for i in waiting for c in block.rules[i].consequents}
         ready = [i for i in waiting if not _reads(block.rules[i], outputs) & unfinished]
         if not ready:
@@ -348,7 +347,7 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
     keys: dict[tuple[str, tuple[Hedge, ...], str], int] = {}
     implications: list[str] = []
     record = output.defuzzifier.record
-    # A number is weighed, not cut: blocks that differ in the implication share its strength.
+    # A number is weighted, not cut: blocks with different implications share its strength.
     weighs = record.weighs
     if doubled is not None:
         asserted = {
@@ -391,7 +390,7 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
 
 
 def _both_sides(output_plan: OutputPlan, doubled: Doubled) -> OutputPlan:
-    """Say which members are of the upper and which of the lower set, and which go together."""
+    """Assign the members to the upper and the lower set, and pair them."""
     output, members = output_plan.output, output_plan.members
     parts = [Consequent(output.name, member.term.name, member.hedges) for member in members]
     sides = tuple(map(doubled.side, parts))
@@ -417,13 +416,13 @@ def _pairs(
     output: Output, members: tuple[Member, ...], sides: tuple[int, ...], doubled: Doubled
 ) -> tuple[tuple[int, int], ...]:
     """Return the upper and the lower member of each consequent: both come from one rule."""
-    # A lower term is found by the name of the upper one from which it was made.
+    # A lower term is found by the name of its upper one.
     names = {lower: name for (of, name), lower in doubled.lower_names.items() if of == output.name}
     keys = [
         (names.get(entry.term.name, entry.term.name), entry.hedges, entry.implication)
         for entry in members
     ]
-    if all(member.pieces == () for member in members):  # values, which no implication cuts
+    if all(member.pieces == () for member in members):  # values, never cut
         keys = [(name, hedges, "") for name, hedges, _ in keys]
     lower = {key: i for i, key in enumerate(keys) if sides[i] == firing_intervals.LOWER}
     upper = [i for i in range(len(members)) if sides[i] == firing_intervals.UPPER]
@@ -455,7 +454,7 @@ def _closed_sides(
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
-    """Two singletons at one position are one set to be aggregated, whatever their names."""
+    """Return the first member at each position: singletons at one position are one set."""
     first_index: dict[float, int] = {}
     return [
         i if member.value is None else first_index.setdefault(member.value, i)
@@ -489,7 +488,7 @@ def _member(
     shape, formula, holds_value = term.shape, None, is_value(term.shape)
     if shape.kind == "formula":
         formula = formula_of(shape)
-        # A weighed consequent is a value: its `x` is the variable of that name, not a position.
+        # A weighted consequent is a value: its `x` is a variable of that name, not the position.
         holds_value |= output.defuzzifier.record.weighs
         _check_formula(rulebase, output, term, formula, discrete=discrete, is_set=not holds_value)
     if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
@@ -547,14 +546,14 @@ def _pieces(
             f"{output.defuzzifier.method} needs a finite range, and that of '{output.name}'"
             f" is {output.low:g} .. {output.high:g}"
         )
-    if formula is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown position
+    if formula is not None:  # a formula bends anywhere: cut like a sigmoid of unknown position
         framed = Shape("arc", (output.low, output.high))
         return profile(framed, (), function, output.low, output.high)
     return profile(term.shape, hedges, function, output.low, output.high)
 
 
 def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
-    """Return the closed form where the exact centroid has one."""
+    """Return the closed form of the exact centroid, if it exists."""
     defuzzifier = output.defuzzifier
     if defuzzifier.record.of != "gravity" or defuzzifier.resolution is not None:
         return None
@@ -573,7 +572,7 @@ def _is_enveloped(output: Output, members: Sequence[Member]) -> bool:
 
 
 def has_envelope(output: Output, members: Sequence[Member]) -> bool:
-    """Whether sets are straight lines that are cut by min or scaled by product, united by max."""
+    """Whether all sets are straight, cut by min or scaled by product, and united by max."""
     return (
         output.aggregation == "max"
         and all(member.implication in {"min", "product"} for member in members)
@@ -585,7 +584,7 @@ def has_envelope(output: Output, members: Sequence[Member]) -> bool:
 
 
 def needed(plan: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
-    """Return the outputs and the rules that some outputs depend on, themselves included."""
+    """Return the outputs and the rules that some outputs depend on, these outputs included."""
     outputs, rules = set(names), set[int]()
     while True:
         more = {
@@ -594,7 +593,7 @@ def needed(plan: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
             for _, rule in plan.outputs[name].contributions
             if plan.rules[rule].rule.weight != 0.0
         }
-        # To a fixed point: outputs that a needed one reads are needed as well.
+        # To a fixed point: outputs read by a needed one are needed as well.
         further = _read(plan, outputs, more) & plan.outputs.keys()
         if more == rules and further <= outputs:
             return outputs, rules
@@ -612,7 +611,7 @@ def read_by(plan: Plan, output: str) -> set[str]:
 
 
 def _read(plan: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
-    """Return the variables that rules read, and formulas of consequents."""
+    """Return the variables read by rules, and those in formulas of consequents."""
     antecedents = [plan.rules[rule].rule.antecedent for rule in rules]
     names = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
     members = [member for name in outputs for member in plan.outputs[name].members]
@@ -625,7 +624,7 @@ def _parts(rulebase: RuleBase) -> dict[tuple[str, ...], RuleBase]:
 
 
 def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
-    """Return the part of a rule base that some outputs depend on; the last few are remembered.
+    """Return the part of a rule base that some outputs depend on; the last few are cached.
 
     Parameters
     ----------
@@ -637,13 +636,13 @@ def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
     Returns
     -------
     RuleBase
-        With the rules, inputs and other outputs that these need; where that is all, itself. Of
-        outputs that depend on no input with the first one.
+        With the necessary rules, inputs and other outputs; the rule base itself if that is all of
+        it. With the first input if the outputs depend on none.
 
     Raises
     ------
     InferenceError
-        If the model cannot be evaluated, or there is no such output.
+        If the model cannot be evaluated, or an output does not exist.
     """
     wanted_outputs = tuple(outputs)
     parts = _parts(rulebase)
@@ -664,7 +663,7 @@ def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
         if needed_readings & set(readings_here)
     }
     names_read = _read(full_plan, names, needed_readings)
-    # A linear consequent reads an input by its coefficient, not by its name.
+    # A linear consequent names no inputs: it has a coefficient for each.
     linear = [
         shape.parameters
         for output in rulebase.outputs
@@ -705,7 +704,7 @@ def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
 
 
 def _over(output: Output, inputs: list[int]) -> Output:
-    """Return an output whose linear terms have the coefficients of some inputs only."""
+    """Return an output whose linear terms keep the coefficients of some inputs only."""
 
     def over(shape: Shape) -> Shape:
         if shape.kind != "linear":

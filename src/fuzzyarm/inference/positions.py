@@ -1,29 +1,26 @@
-"""Maxima, bisectors and joined samples, and values that are found: defuzzifiers of the kernel.
+"""Maxima, bisectors and joined samples, and computed values: defuzzifiers of the kernel.
 
-Joined samples are sets and their union as straight lines between N even samples, as scikit-fuzzy
-takes them: a set is cut at the strength of its rule, where its line passes that strength there is
-another point, and the union is taken at all these points and joined again. Two sets that cross
-between two of them are cut off by a chord; of the result the integrals are exact.
+Joined samples are scikit-fuzzy's sets: straight lines between N even samples. A set cut at the
+strength of its rule gets another point where its line passes that strength; the union is taken at
+all these points and joined again. Two sets that cross between two of them are cut off by a chord;
+of the result the integrals are exact.
 
-All of it goes point by point; the work at one point is a function of its own, to which
-:func:`.kernel.point_by_point` is bound, and which exported programs have as well
-(:mod:`fuzzyarm.exchange.export.walk`).
+Each works point by point, by a function that :func:`.kernel.point_by_point` calls and that exported
+programs contain as well (:mod:`fuzzyarm.exchange.export.walk`).
 
-A value that is one of several positions is the answer itself: the row TOTAL then has something
-above 0, and the row MOMENT has the value. (0, 0) says that no rule fired; the caller puts the value
-for that in its place. Nothing here makes a NaN of its own: strengths are from 0 to 1, and divisors
-are above 0. A formula or an inverse that has no value gives one, and it passes through to the
-output, where :func:`.kernel.settled` finds it.
+For a chosen position the row MOMENT holds the value itself, and the row TOTAL any positive number.
+(0, 0) means that no rule fires; the caller substitutes the value for that. NaN comes only from an
+undefined formula or inverse (strengths are from 0 to 1, divisors positive) and passes through to
+:func:`.kernel.settled`.
 
 Arguments of a function at a point:
 
 ===========  =================================================================================
-``k``        the block as whole numbers: which groups may fire here (from ``k[GROUPS]`` on), and
-             where the consequent of each is described
+``k``        the block as whole numbers: the groups that may fire here (from ``k[GROUPS]`` on),
+             and the index of each one's consequent
 ``f``        its floats: positions and weights of samples, degrees, pieces of sets; positions in
              the unit of the output, degrees without one
-``scratch``  the rows: that of a group has the strength with which its set is asserted, at
-             ``point``
+``scratch``  the rows: that of a group has the height of its set, at ``point``
 ``heap``     room for the numbers of one point; each section describes its use
 ===========  =================================================================================
 """
@@ -70,18 +67,18 @@ by area come first, which comparisons with `NEAREST_HALF` rely on."""
 BISECTIONS = 80
 """Halvings of a curved piece to where it passes a level."""
 
-# Whole numbers of a set whose level is sought, or of a value that is found: the row function of
-# the set, of the formula or of the inverse; the numbers of that (where, how many); pieces of the
-# set (how many, where, each of PIECE floats).
+# Whole numbers of a set with a level cut, or of a computed value: the row function of the set, the
+# formula or the inverse; its numbers (index, count); pieces of the set (count, index; PIECE floats
+# each).
 FUNCTION, NUMBERS_AT, NUMBERS, PIECES, PIECES_AT = range(5)
 
-# A set whose level is sought also has its implication; the levels at which that clips it (how
-# many, and where: an offset and a factor of the strength each); where its greatest degree is; and
-# whether it is cut off flat at the strength, and not only above some level.
+# A set with a level cut also has its implication; the clipping levels (count, index: an offset and
+# a factor of the strength each); the index of its greatest degree; and whether it is cut flat at
+# the strength, not only above some level.
 CUT, LEVELS, LEVELS_AT, TOP_AT, FLAT = range(5, 10)
 
-# Of a value: how it is found, and where its number is: the factor of a formula, the height of the
-# set, or the end of the range that a set does not reach.
+# Of a value: its kind, and the index of its number: the factor of a formula, the height of the set,
+# or the end of the range that a set does not reach.
 SORT, OWN_AT = 5, 6
 CONSTANT, LINEAR, FORMULA, INVERSE, LEVEL = range(5)
 
@@ -92,14 +89,15 @@ whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
 
 # ── a choice among positions with heights ────────────────────────────────────────────
 #
-# Positions rise. Heights are strengths, samples of the aggregate, or their shares of its integral.
+# Positions ascend. Heights are strengths, samples of the aggregate, or their shares of its
+# integral.
 
 
 @kernel
 def chosen_among(
     k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int, next_to: int
 ) -> tuple[float, float]:
-    """Return something above 0 where a height is, and the requested position.
+    """Return the greatest height (0: none) and the requested position.
 
     Samples are adjacent (1): there is no gap between two. Values are not (0).
     """
@@ -113,15 +111,15 @@ def chosen_among(
 
 @kernel
 def half_of(positions: Any, heights: Any, count: int, next_to: int) -> tuple[float, float]:
-    """Return the total, and where the running sum of heights reaches half of it."""
+    """Return the total, and the position where the running sum of heights reaches half of it."""
     total = 0.0
     for i in range(count):
         total += heights[i]
     if not total > 0.0:
         return 0.0, 0.0
-    # A running sum that is half of the total but for rounding is half of it: where heights of zero
-    # follow, all positions from there to the next height divide the area equally, and the middle
-    # between the first and the last of them is taken. Where none follow there is no gap.
+    # A running sum within rounding of half the total is half of it. If heights of zero follow, all
+    # positions up to the next height halve the area, and the middle of that gap is taken; else
+    # there is no gap.
     low, high = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
     running = 0.0
     first = -1
@@ -143,14 +141,14 @@ def nearest_half_of(positions: Any, heights: Any, count: int) -> tuple[float, fl
         total += heights[i]
     if not total > 0.0:
         return 0.0, 0.0
-    # Two walks over the same sums, for how near one comes is known at the end of the first. The
-    # sums are formed anew, in the same order: they have the same bits.
+    # Two walks, since the least distance is known only after the first. The sums are formed again
+    # in the same order: the same bits.
     nearest = 1.0
     running = 0.0
     for i in range(count):
         running += heights[i]
         nearest = min(nearest, abs(running / total - 0.5))
-    # Several are equally near where nothing is added between them: then the mean of them.
+    # Positions with equal sums are equally near: their mean.
     moment = among = running = 0.0
     for i in range(count):
         running += heights[i]
@@ -164,11 +162,11 @@ def nearest_half_of(positions: Any, heights: Any, count: int) -> tuple[float, fl
 def greatest_of(
     k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int
 ) -> tuple[float, float]:
-    """Return the greatest height, and the value made of its positions."""
+    """Return the greatest height, and the value from its positions."""
     greatest = 0.0
     for i in range(count):
         greatest = max(greatest, heights[i])
-    # Heights of one plateau differ in their last bits where rules reach them by other ways.
+    # Heights of one plateau may differ in their last bits, as results of different rules.
     enough = greatest * (1.0 - SAME)
     if not enough > 0.0:
         return 0.0, 0.0
@@ -192,7 +190,7 @@ def greatest_of(
 def value_of_top(
     k: Any, f: Any, heap: Any, first: float, last: float, mean: float, nearest: float
 ) -> float:
-    """Return one of the positions where a set is greatest, or a value made of them."""
+    """Return the requested value, from the positions of the maximum."""
     way = way_of(k, f)
     value = mean
     if way == FIRST:
@@ -208,7 +206,7 @@ def value_of_top(
 
 @kernel
 def way_of(k: Any, f: Any) -> int:
-    """Return the requested position of an output."""
+    """Return the code of the requested position."""
     return int(f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1])
 
 
@@ -222,7 +220,7 @@ def position_of_samples(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> 
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     sample(k, f, scratch, point, 0, aggregate, cut)
-    if way_of(k, f) <= NEAREST_HALF:  # a sample counts by its share of the integral
+    if way_of(k, f) <= NEAREST_HALF:  # a sample weighs as its share of the integral
         for i in range(samples):
             aggregate[i] *= f[numbers + samples + i]
     return chosen_among(k, f, heap, f[numbers : numbers + samples], aggregate, samples, 1)
@@ -230,14 +228,14 @@ def position_of_samples(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> 
 
 # ── joined samples ───────────────────────────────────────────────────────────────────
 #
-# The union of the cut sets, joined by straight lines from sample to sample and where a set is cut
-# off flat between two samples. From (x, y) to (b, z) a trapezoid has
+# The union of the cut sets, joined by straight lines between samples and the corners of cuts
+# between them. The trapezoid from (x, y) to (b, z) has
 #
 #     area    (b - x) (y + z) / 2
 #     moment  (b - x) (x (2 y + z) + b (y + 2 z)) / 6   about 0
 #
-# The heap has four rows, each two longer than there are groups: shares of the way to the next
-# sample, degrees of a set there, its cut, heights of the union.
+# The heap has four rows of groups + 2 numbers: shares of the way to the next sample, degrees of a
+# set there, its cut, heights of the union.
 
 
 @kernel
@@ -256,7 +254,7 @@ def position_of_joined(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> t
 def along_joined(
     k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float
 ) -> tuple[float, float, float]:
-    """Go along the joined union until its area is `wanted`; return area, moment, position.
+    """Integrate the joined union up to the area `wanted`; return area, moment, position.
 
     The moment is about 0 and six times too large.
     """
@@ -289,7 +287,7 @@ def along_joined(
 
 @kernel
 def far_along(width: float, y: float, z: float, area: float) -> float:
-    """Return how far a line from y to z has to be followed for an area under it."""
+    """Return the width from y on, along a line from y to z, that covers an area."""
     if area <= 0.0:
         return 0.0
     slope = (z - y) / width  # a stretch of area has a width
@@ -300,7 +298,7 @@ def far_along(width: float, y: float, z: float, area: float) -> float:
 
 @kernel
 def degree_at(k: Any, f: Any, consequent: int, index: int) -> float:
-    """Return the degree of a set at a sample; it is written down where it is not zero."""
+    """Return the degree of a set at a sample; only nonzero ones are stored."""
     degree = 0.0
     if k[consequent] <= index < k[consequent + 1]:
         degree = f[k[consequent + 2] + index - k[consequent]]
@@ -309,7 +307,7 @@ def degree_at(k: Any, f: Any, consequent: int, index: int) -> float:
 
 @kernel
 def crossings_between(k: Any, f: Any, scratch: Any, heap: Any, point: int, i: int) -> int:
-    """Write down the shares of the way from a sample to the next where a set is cut off flat."""
+    """Compute the shares of the way from a sample to the next where cuts have corners."""
     count = 0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -330,7 +328,7 @@ def crossings_between(k: Any, f: Any, scratch: Any, heap: Any, point: int, i: in
 def heights_between(
     k: Any, f: Any, scratch: Any, heap: Any, point: int, i: int, count: int, ends: int
 ) -> None:
-    """Write down the heights of the union at shares of the way from a sample to the next.
+    """Compute the heights of the union at shares of the way from a sample to the next.
 
     `ends`: whether the last of them is the next sample itself. The heap holds the shares, the
     degrees of a set, its cut, and the heights.
@@ -357,9 +355,8 @@ def heights_between(
 
 # ── exact maxima ─────────────────────────────────────────────────────────────────────
 #
-# Two walks over the groups: the first finds how high the union reaches, the second the intervals
-# of all sets that reach as high. They are kept sorted by insertion: they are few, and the union of
-# sorted intervals is found in one walk.
+# Two walks over the groups: the first finds the height of the union, the second the intervals of
+# all sets of that height. They are few: sorted by insertion, then united in one walk.
 
 
 HEAP = 2
@@ -368,7 +365,7 @@ HEAP = 2
 
 @kernel
 def position_of_maxima(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the greatest height of one point, and the value made of its positions."""
+    """Return the greatest height of one point, and the value from its positions."""
     greatest = 0.0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -397,7 +394,7 @@ def position_of_maxima(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> t
 
 @kernel
 def reached(k: Any, f: Any, heap: Any, consequent: int, strength: float) -> float:
-    """Return how high a set reaches that is cut at a strength."""
+    """Return the greatest degree of a set cut at a strength."""
     heap[0], heap[1] = strength, f[k[consequent + TOP_AT]]
     join(k[consequent + CUT], heap[0:1], heap[1:2], heap[0:1])
     height: float = heap[0]
@@ -407,9 +404,9 @@ def reached(k: Any, f: Any, heap: Any, consequent: int, strength: float) -> floa
 @kernel
 def level_of(k: Any, f: Any, consequent: int, strength: float, height: float) -> float:
     """Return the degree from which on a cut set is at its height."""
-    # Where the strength cuts the set off, it is at its height from the level on at which the
-    # implication clips it: the strength itself under min, for others the greatest of some lines
-    # offset + factor strength. Where it does not, only its top is.
+    # A set clipped by the strength is at its height from the clipping level on: the strength under
+    # min, for other implications the greatest of some lines offset + factor strength. One that is
+    # not clipped is so at its top only.
     top: float = f[k[consequent + TOP_AT]]
     level = top
     clips = k[consequent + FLAT] != 0 and height == strength and strength < top
@@ -423,7 +420,7 @@ def level_of(k: Any, f: Any, consequent: int, strength: float, height: float) ->
 
 @kernel
 def cut_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float, count: int) -> int:
-    """Insert the intervals where a set is at least at a level; return how many there are."""
+    """Insert the intervals where a set is at least at a level; return the new count."""
     for i in range(k[consequent + PIECES]):
         piece = k[consequent + PIECES_AT] + PIECE * i
         left, right = f[piece + 1] >= level, f[piece + 3] >= level
@@ -441,7 +438,7 @@ def cut_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float, count
 
 @kernel
 def insert_interval(heap: Any, count: int, start: float, end: float) -> int:
-    """Insert an interval into the sorted ones; return how many there are."""
+    """Insert an interval into the sorted ones; return the new count."""
     at = HEAP + 2 * count
     while at > HEAP and (heap[at - 2] > start or (heap[at - 2] == start and heap[at - 1] > end)):
         heap[at] = heap[at - 2]
@@ -454,7 +451,7 @@ def insert_interval(heap: Any, count: int, start: float, end: float) -> int:
 
 @kernel
 def passed(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
-    """Return where a piece of a set passes a level that lies between its ends."""
+    """Return the position where a piece of a set passes a level between its ends."""
     x: float = 0.0
     if f[piece + 1] == level:
         x = f[piece]
@@ -470,7 +467,7 @@ def passed(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float)
 
 @kernel
 def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
-    """Return where a curved piece passes a level, by halving."""
+    """Return the position where a curved piece passes a level, by bisection."""
     a: float = f[piece + 4]
     b: float = f[piece + 5]
     rising = f[piece + 6]
@@ -478,7 +475,7 @@ def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, leve
     numbers = f[begin : begin + k[consequent + NUMBERS]]
     for _ in range(BISECTIONS):
         middle = 0.5 * (a + b)
-        if not a < middle < b:  # neighbours among the floats: as near as it gets
+        if not a < middle < b:  # neighbouring floats: no nearer one exists
             break
         heap[0] = middle
         call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
@@ -491,11 +488,11 @@ def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, leve
 
 @kernel
 def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
-    """Return the value made of sorted intervals; the mean is that of points if all are points."""
+    """Return the value from sorted intervals; the mean is that of points if all are points."""
     first: float = heap[HEAP]
     last: float = heap[HEAP + 1]
-    # Sets may share a stretch, which counts once: of each interval only the part beyond `reach`,
-    # where the intervals before it end.
+    # A shared stretch counts once: of each interval only the part beyond `reach`, the end of those
+    # before it.
     reach = first
     length = moment = 0.0
     nearest = math.inf
@@ -503,7 +500,7 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
         begin = max(heap[HEAP + 2 * i], reach)
         end = heap[HEAP + 2 * i + 1]
         last = max(last, end)
-        inner = 0.0  # the position of this interval that is nearest to 0
+        inner = 0.0  # the position of this interval nearest to 0
         if heap[HEAP + 2 * i] > 0.0:
             inner = heap[HEAP + 2 * i]
         elif end < 0.0:
@@ -522,16 +519,16 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
     return value_of_top(k, f, heap, first, last, moment / length, nearest)
 
 
-# ── values that are found ────────────────────────────────────────────────────────────
+# ── computed values ──────────────────────────────────────────────────────────────────
 #
 # Each consequent has a value: a number, a linear or another function of the inputs, or (Tsukamoto)
-# the position at which its set has the degree with which the rule fires. Point by point and not row
-# by row, for how a value is found differs from group to group and may be a search.
+# the position at which the degree of its set is the firing strength. Point by point, not row by
+# row: the kind of value differs from group to group and may need a search.
 
 
 @kernel
 def weighted_values(block: Any) -> None:
-    """Add up strengths, and strengths times values that formulas or sets give, point by point."""
+    """Add up strengths, and strengths times computed values, point by point."""
     k, f, scratch, total, moment = parts_of(block)
     heap = scratch[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     for point in range(total.shape[0]):
@@ -583,7 +580,7 @@ def choice_of_values(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tup
 
 @kernel
 def insert_value(values: Any, heights: Any, count: int, value: float, height: float) -> int:
-    """Insert a value with its height behind those that are not greater; return how many."""
+    """Insert a value with its height, in ascending order; return the new count."""
     index = count
     while index > 0 and values[index - 1] > value:
         values[index] = values[index - 1]
@@ -613,10 +610,10 @@ def found_value(
     elif sort == INVERSE:
         begin = k[consequent + NUMBERS_AT]
         numbers = f[begin : begin + k[consequent + NUMBERS]]
-        heap[0] = min(1.0, strength / value)  # the number of its own is the height of the set
+        heap[0] = min(1.0, strength / value)  # its number is the height of the set
         call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
         value = heap[1]
-        if not abs(value) < math.inf:  # an end that the set only tends to
+        if not abs(value) < math.inf:  # an end that the set only approaches
             range_at = k[k[OUTPUT] + FLOATS_AT]
             value = f[range_at + 1] if value > 0.0 else f[range_at]
     elif sort == LEVEL:
@@ -626,7 +623,7 @@ def found_value(
 
 @kernel
 def position_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float) -> float:
-    """Return where a set that rises or falls throughout reaches a level; its pieces rise."""
+    """Return the position where a monotone set reaches a level; its pieces rise."""
     position: float = f[k[consequent + OWN_AT]]
     for i in range(k[consequent + PIECES]):
         piece = k[consequent + PIECES_AT] + PIECE * i

@@ -58,7 +58,7 @@ emptied_with_kinds(_empty)
 
 
 def prepared(rulebase: RuleBase) -> Prepared:
-    """Return the products of a rule base; those of the last few are remembered."""
+    """Return the products of a rule base; those of the last few are cached."""
     earlier = known.get(id(rulebase))
     if earlier is not None and earlier.rulebase is rulebase:
         return earlier
@@ -67,7 +67,7 @@ def prepared(rulebase: RuleBase) -> Prepared:
         known[id(rulebase)] = new
         while len(known) > MOST:
             oldest = next(iter(known))
-            at_point.pop(oldest, None)  # before another rule base may have this identity
+            at_point.pop(oldest, None)  # before another rule base can get this identity
             known.pop(oldest)
     return new
 
@@ -80,7 +80,7 @@ def remember_point(rulebase: RuleBase, named: Callable[[Any], dict[str, float] |
 
 
 def remembered(make: _Make[_Part]) -> _Make[_Part]:
-    """Remember the result of a function with its rule base; a decorator."""
+    """Cache the result of a function with its rule base; a decorator."""
 
     @wraps(make)
     def remembering(rulebase: RuleBase) -> _Part:

@@ -1,4 +1,4 @@
-"""The kernels that take a block: its evaluators, and the defuzzifiers, which a layout numbers.
+"""The kernels over a block: its evaluators, and the defuzzifiers, numbered by a layout.
 
 A defuzzifier of the kernel is a record, :class:`DefuzzifierProgram`: its function at one point, its
 inputs and its results. It is selected by the aspect of the aggregate that a record of
@@ -34,7 +34,7 @@ class DefuzzifierProgram(NamedTuple):
         Centre of its moment: ``zero``, the ``middle`` of the range, or one of its tables
         (``own``). Empty: it gives the value itself.
     whole : bool
-        Whether the function takes a block, and goes through its points by itself.
+        Whether the function takes a block, and loops over its points itself.
     """
 
     where: str
@@ -59,7 +59,7 @@ class DefuzzifierProgram(NamedTuple):
 
     @property
     def block(self) -> Callable[[Any], None]:
-        """The kernel that takes a block, which knows `bindings` by their names."""
+        """The kernel over a block, in which `bindings` hold."""
         return self.function if self.whole else kernel.point_by_point
 
     @property
@@ -69,7 +69,7 @@ class DefuzzifierProgram(NamedTuple):
 
     @property
     def takes_long(self) -> bool:
-        """Whether it goes by the quadrature."""
+        """Whether it uses the quadrature."""
         return self.reads == "panels"
 
 
@@ -131,11 +131,11 @@ EVALUATORS: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep)
 """Evaluators of a block, see :mod:`fuzzyarm.inference.kernel`."""
 
 
-# ── which one an output has ──────────────────────────────────────────────────────────
+# ── the defuzzifier of an output ─────────────────────────────────────────────────────
 
 
 def program_of(plan: OutputPlan, *, editable: bool = False) -> DefuzzifierProgram:
-    """Return the defuzzifier of an output; of a `editable` one without a closed form."""
+    """Return the defuzzifier of an output; for an `editable` one without a closed form."""
     record, way = plan.record, plan.output.defuzzifier
     if plan.discrete:
         return _of_numbers(plan)
@@ -153,7 +153,7 @@ def _of_areas(plan: OutputPlan, *, editable: bool) -> DefuzzifierProgram:
     record = plan.record
     if not plan.members:
         return CLOSED
-    # A loose one takes any form that numbers can have, where there are numbers.
+    # An editable one takes the general form.
     straight = plan.enveloped or (editable and has_envelope(plan.output, plan.members))
     if plan.closed is not None and not (editable and (straight or record.both)):
         return CLOSED
@@ -163,7 +163,7 @@ def _of_areas(plan: OutputPlan, *, editable: bool) -> DefuzzifierProgram:
 
 
 def _of_numbers(plan: OutputPlan) -> DefuzzifierProgram:
-    """Return the program for values, or for sets that represent one each."""
+    """Return the program for values, or for sets with one representative each."""
     record = plan.record
     if record.of == "ends":
         return ENDS_OF_PAIRS
@@ -174,7 +174,7 @@ def _of_numbers(plan: OutputPlan) -> DefuzzifierProgram:
 
 
 def demand_covered(plan: OutputPlan, inputs: Sequence[str], *, plain: bool = False) -> None:
-    """Refuse by name an output that the kernel does not cover; `plain`: the interpreted one."""
+    """Refuse by name an output that the kernel (if `plain`, the interpreted one) does not cover."""
     output, what = plan.output, f"{plan.record.name} of '{plan.output.name}'"
     if plan.discrete:
         for member in plan.members:
@@ -187,7 +187,7 @@ def demand_covered(plan: OutputPlan, inputs: Sequence[str], *, plain: bool = Fal
 
 
 def _demand_number(plan: OutputPlan, member: Member, inputs: Sequence[str], *, plain: bool) -> None:
-    """Refuse a value that is not found from inputs alone, or a set that has no one position."""
+    """Refuse a value that depends on more than the inputs, or a set without a unique position."""
     what = f"'{plan.output.name} is {member.term.name}'"
     if member.value is not None:
         return

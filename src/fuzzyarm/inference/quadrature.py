@@ -1,11 +1,10 @@
 """The integral of an aggregate without a closed form, adaptively.
 
-The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Lobatto
-nodes (they include the ends: a bend close to an end would be overlooked otherwise) and is
-halved until the halves agree with the whole to :data:`TOLERANCE` of the area, of the panel
-or of all. Curves that are clipped or cross each other are found by the halving. The
-kernel is :mod:`.quadrature_kernel`; the error is below 1e-11 of the range (tested
-against closed forms and SciPy).
+The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Lobatto nodes
+(with the ends: a bend close to one would otherwise be overlooked) and is halved until the halves
+agree with the whole to :data:`TOLERANCE` of the area, of the panel or of all. Curves that are
+clipped or cross each other are found by the halving. The kernel is :mod:`.quadrature_kernel`; the
+error is below 1e-11 of the range (tested against closed forms and SciPy).
 """
 
 from __future__ import annotations
@@ -38,10 +37,10 @@ ROUNDING = 2.0**-52
 
 
 def noise_of(plan: OutputPlan, strongest: float) -> float:
-    """Return how far rounding may throw a height of the aggregate.
+    """Return the rounding error that a height of the aggregate may have.
 
-    A smaller disagreement is not a reason to halve a panel: it would never end. Heights
-    are rounded in proportion to the strongest rule, but for ``bounded``, which subtracts 1.
+    A smaller disagreement must not halve a panel, or halving would not end. The error is
+    proportional to the strongest rule, except under ``bounded``, which subtracts 1.
     """
     subtracts = any(member.implication == "bounded" for member in plan.members)
     return ROUNDING * (1.0 if subtracts else min(1.0, strongest))
@@ -56,6 +55,6 @@ CLIPPING: dict[str, tuple[tuple[float, float], ...]] = {
 
 
 def panels(plan: OutputPlan) -> list[float]:
-    """Return the edges where the sets of an output may bend, in order."""
+    """Return the possible bends of the sets of an output, in order."""
     edges = {piece.x0 for member in plan.members for piece in member.pieces}
     return sorted(edges | {plan.output.low, plan.output.high})

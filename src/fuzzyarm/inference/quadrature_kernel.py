@@ -1,9 +1,9 @@
 """The exact centroid of curved sets, and any exact bisector, as defuzzifiers of the kernel.
 
-The adaptive quadrature of :mod:`fuzzyarm.inference.quadrature`, step by step in the same order,
-so that the bits are those of one point in plain Python. It goes point by point: every point has
-panels of its own. A panel's eight nodes are a row, over which each set is evaluated by the row
-function of its shape, cut, and folded into the aggregate.
+The adaptive quadrature of :mod:`fuzzyarm.inference.quadrature`, in a fixed order, so that compiled
+and interpreted bits agree. Point by point: every point has panels of its own. A panel's eight nodes
+are a row, over which each set is evaluated by the row function of its shape, cut, and folded into
+the aggregate.
 
 Behind the work rows, in the order of memory::
 
@@ -36,27 +36,27 @@ from fuzzyarm.inference.quadrature import HALVINGS, SAME_HALF
 from fuzzyarm.inference.sets import BELOW_ONE
 from fuzzyarm.symbolic.kernels import call, kernel
 
-# Whole numbers of an output, from k[DETAIL] on: its constants in f, how many members it has,
-# the edges at which sets may bend (how many, where in f), and the stretches over which two
-# straight sets may cross (how many, where in k).
+# Whole numbers of an output, from k[DETAIL] on: its constants in f, its number of members, the
+# edges at which sets may bend (count, index in f), and the stretches over which two straight sets
+# may cross (count, index in k).
 CONSTANTS_AT, MEMBERS, EDGES, EDGES_AT, STRETCHES, STRETCHES_AT = range(6)
 
-# Its constants: the quadrature's own, and whether rounding does not shrink with the strengths.
+# Its constants: those of the quadrature, and whether rounding errors are independent of the
+# strengths.
 TOLERANCE, DEEPEST, MOST_PANELS, ROUNDING, SUBTRACTS, NODES = range(6)
 WEIGHTS = NODES + 4
 CONSTANTS = WEIGHTS + 4
 
-# Whole numbers of a consequent: the row function of its set and the numbers of that; its
-# implication; its member; straight pieces that slope; where its implication clips them, as
-# (offset, factor of the strength); the lines that it leaves of one: four numbers each; whether it
-# is on side 0 or, of an interval type-2 set, among the lower ones on side 1; and, where its
-# implication leaves nothing but ones, the stretches over which it is 1: two numbers each (-1: it
-# leaves more).
+# Whole numbers of a consequent: the row function of its set and its numbers; its implication; its
+# member; sloping straight pieces; their clipping levels, as (offset, factor of the strength); the
+# lines of an implied piece, four numbers each; its side: 0, or 1 for the lower set of an interval
+# type-2 set; and, under an implication that leaves ones only, the stretches where the set is 1, two
+# numbers each (-1: it leaves more).
 CURVE, NUMBERS_AT, NUMBERS, IMPLICATION, MEMBER, PIECES, PIECES_AT = range(7)
 CLIPS, CLIPS_AT, LINES, LINES_AT, SIDE, FLATS, FLATS_AT = range(7, 14)
 LINE_NUMBERS = 4
 
-# Whole numbers of a stretch: its two consequents, and where its six numbers are in f.
+# Whole numbers of a stretch: its two consequents, and the index in f of its six numbers.
 STRETCH = 3
 
 PANEL = 5
@@ -72,10 +72,10 @@ def integral_of_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tu
 
 @kernel
 def bisector_of_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the area, and where it is halved: in the middle, if on a stretch without area.
+    """Return the area, and its bisector: the middle of a stretch without area.
 
-    Once through the panels for the area, once more for each end of that stretch, up to the panel
-    where the sum reaches the share, which is then halved itself.
+    One pass over the panels for the area, one more for each end of that stretch, up to the panel
+    where the sum reaches the share, which is then bisected.
     """
     area, _, _, _ = integrate_all(k, f, scratch, heap, point, math.inf)
     middle = 0.0
@@ -87,9 +87,9 @@ def bisector_of_point(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tu
 
 @kernel
 def reach(k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float) -> float:
-    """Return where the area from the left end on reaches a number."""
+    """Return the position where the area from the left end reaches a number."""
     before, _, x_0, x_1 = integrate_all(k, f, scratch, heap, point, wanted)
-    # The panel in which the sum reaches it, halved: no formula of the aggregate is known.
+    # The panel in which the sum reaches it, bisected: the aggregate has no formula.
     a, b = x_0, x_1
     if x_0 < x_1:
         for _ in range(HALVINGS):
@@ -105,7 +105,7 @@ def reach(k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float) ->
 def integrate_all(
     k: Any, f: Any, scratch: Any, heap: Any, point: int, wanted: float
 ) -> tuple[float, float, float, float]:
-    """Integrate a set of type 1, all of whose parts are on side 0, over the whole range."""
+    """Integrate a set of type 1, all on side 0, over the whole range."""
     return integrate(k, f, scratch, heap, point, 0, -math.inf, math.inf, wanted)
 
 
@@ -121,9 +121,9 @@ def integrate(
     end: float,
     wanted: float,
 ) -> tuple[float, float, float, float]:
-    """Cut a stretch of the range of a point into first panels and halve them, see :func:`halve`.
+    """Cut a stretch of the range into initial panels and halve them, see :func:`halve`.
 
-    Of the sets of one side; moments are about the centre of the range in any case.
+    Of the sets of one side; moments are about the centre of the whole range.
     """
     head = k[OUTPUT]
     detail = k[head + DETAIL]
@@ -137,7 +137,7 @@ def integrate(
         heap[edges + edge] = f[k[detail + EDGES_AT] + edge]
     for member in range(members):
         strengths[member] = 0.0
-    # At an edge a set or its cut is not smooth: missing one costs fifty halvings.
+    # At an edge a set or its cut is not smooth: a missed one costs fifty halvings.
     strongest = 0.0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -175,10 +175,10 @@ def integrate(
 
 @kernel
 def _clip_range(heap: Any, edges: int, count: int, start: float, end: float) -> int:
-    """Keep the edges inside a stretch, and its ends; return how many there are."""
+    """Keep the edges inside a stretch, and its ends; return their number."""
     if not start < end:
         return 0
-    # In place: the writing index never passes the reading one.
+    # In place: the writing index never passes the reading index.
     heap[edges] = start
     kept = 1
     for edge in range(edges, edges + count):
@@ -196,7 +196,7 @@ def _clip_edges(
     """Add the edges where an implication clips the straight pieces of a set."""
     clips, pieces = k[consequent + CLIPS_AT], k[consequent + PIECES_AT]
     for clip in range(clips, clips + 2 * k[consequent + CLIPS], 2):
-        level = f[clip] + f[clip + 1] * height  # where this implication bends a line
+        level = f[clip] + f[clip + 1] * height  # the clipping level of this implication
         for piece in range(pieces, pieces + 4 * k[consequent + PIECES], 4):
             x_0, y_0, x_1, y_1 = f[piece], f[piece + 1], f[piece + 2], f[piece + 3]
             if (y_0 - level) * (y_1 - level) < 0.0:
@@ -207,7 +207,7 @@ def _clip_edges(
 
 @kernel
 def cross(k: Any, f: Any, stretch: int, strengths: Any, heap: Any, edges: int, count: int) -> int:
-    """Add the edges where two cut straight sets cross: where two of their lines do."""
+    """Add the edges where two cut straight sets cross: crossings of two of their lines."""
     one, other = k[stretch], k[stretch + 1]
     first, second = strengths[k[one + MEMBER]], strengths[k[other + MEMBER]]
     if first > 0.0 and second > 0.0:
@@ -215,8 +215,8 @@ def cross(k: Any, f: Any, stretch: int, strengths: Any, heap: Any, edges: int, c
         start, end = f[at], f[at + 1]
         for i in range(k[one + LINES]):
             line = k[one + LINES_AT] + LINE_NUMBERS * i
-            # What an implication leaves of a line is (α + β y) of its degree y; at the ends of
-            # the stretch both sets have known degrees, and a change of sign is a crossing.
+            # An implied line is α + β y of its degree y; both sets have known degrees at the ends
+            # of the stretch, and a change of sign of the difference is a crossing.
             alpha = f[line] + f[line + 1] * first
             beta = f[line + 2] + f[line + 3] * first
             for j in range(k[other + LINES]):
@@ -250,8 +250,8 @@ def halve(
 ) -> tuple[float, float, float, float]:
     """Halve panels until the halves agree with the whole; return area and moment of all.
 
-    Only up to the panel in which the area reaches `wanted`: then the area before it, and its
-    ends. They are equal, the end of the range, where it is never reached.
+    Only up to the panel in which the area reaches `wanted`: then the area before it, and its ends.
+    Both are the end of the range if it is never reached.
     """
     budget = constants[MOST_PANELS]
     area = torque = x_1 = 0.0
@@ -274,7 +274,7 @@ def halve(
             area += left_area + right_area
             torque += left_moment + right_moment
         else:
-            # The left half on top: sums go from left to right, as those of plain Python.
+            # The left half on top of the stack: sums go from left to right.
             heap[panel], heap[panel + 1] = middle, x_1
             heap[panel + 2], heap[panel + 3] = right_area, right_moment
             heap[panel + 4] = depth - 1.0
@@ -288,7 +288,7 @@ def halve(
 
 @kernel
 def leave_out_peak(k: Any, f: Any, consequent: int, nodes: Any, degrees: Any) -> None:
-    """Have a set be 1 over stretches only: a peak has no area, but a node may lie on it."""
+    """Make a set 1 over stretches only: a peak has no area, but a node may lie on it."""
     for i in range(degrees.shape[0]):
         is_flat = 0
         for j in range(k[consequent + FLATS]):
@@ -331,11 +331,11 @@ def integral(
     head = k[OUTPUT]
     constants = k[k[head + DETAIL] + CONSTANTS_AT]
     middle, half = 0.5 * (x_0 + x_1), 0.5 * (x_1 - x_0)
-    # Gauss and Lobatto's rule: six nodes inside, and both ends.
+    # Gauss–Lobatto quadrature: six nodes inside, and both ends.
     for i in range(3):
         step = half * f[constants + NODES + i]
         nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step
-    # The ends just inside, for the value on this side of a vertical edge.
+    # The ends one float inside: the one-sided value at a vertical edge.
     nodes[6], nodes[7] = next_float(x_0, 1.0), next_float(x_1, -1.0)
     for i in range(ROW):
         so_far[i] = 0.0

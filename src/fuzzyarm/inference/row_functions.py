@@ -1,7 +1,7 @@
 """Functions of rows by number: norms, curved terms, hedges and programs, as a layout names them.
 
-A layout requests each function from :class:`Addresses` and stores the number it gets: an address
-of machine code here (:class:`InMemory`), an index into a table in a program of another language.
+A layout stores the number of each function from its :class:`Addresses`: an address of machine code
+here (:class:`InMemory`), an index into a table in a program of another language.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _OWN_NORMS = {
 def _row_function(
     root: Node, rows: tuple[str, ...], numbers: tuple[str, ...], name: str
 ) -> Callable[..., None]:
-    """Return the row function of an expression; the last ones are remembered."""
+    """Return the row function of an expression; the last ones are cached."""
     word = f"{name.replace('-', '_')}_row"
     function: Any = row_function(row_source(root, rows, numbers, word), word)
     function.__program__ = lambda: program_of([root], rows, numbers)
@@ -52,7 +52,7 @@ def _row_function(
 
 
 def norm_address(norm: Norm, *, compiled: bool) -> int:
-    """Return the address of a norm that the kernel does not do by itself."""
+    """Return the address of a norm that is not built into the kernel."""
     return address_of(norm_row(norm), 4, compiled=compiled)
 
 
@@ -62,7 +62,7 @@ def norm_row(norm: Norm) -> Callable[..., None]:
 
 
 class Curve(NamedTuple):
-    """A term whose degrees a row function computes, with its numbers."""
+    """A term with degrees by a row function, and its numbers."""
 
     address: int
     numbers: tuple[float, ...]
@@ -71,14 +71,14 @@ class Curve(NamedTuple):
 def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curve:
     """Return the row function of a term under hedges.
 
-    Terms that differ in their numbers only share it: corners of straight ones are all numbers, and
-    shape, height and hedges of others become one expression of `x` and their numbers.
+    Terms that differ only in their numbers share it: a straight one is a list of corners; shape,
+    height and hedges of a curved one become one expression of `x` and its numbers.
     """
     if SHAPES[shape.kind].straight:
         corners = [number for corner in polyline(shape) for number in corner]
         if not hedges:
             return Curve(address_of(corners_row, 3, compiled=compiled), tuple(corners))
-        # An address among floats: its bits are kept, its value as a float means nothing.
+        # An address among floats: only its bits count, not its value.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
         return Curve(address_of(hedged_corners_row, 3, compiled=compiled), (modified, *corners))
     function, numbers = curved_row(shape, hedges)
@@ -136,7 +136,7 @@ def asserted_degree(hedges: tuple[Hedge, ...]) -> Node:
 
 
 def degree_above_one(hedges: tuple[Hedge, ...]) -> Node:
-    """Return a degree under hedges, of a sum that may exceed 1; 0 where it has no value."""
+    """Return a degree under hedges, of a sum that may exceed 1; 0 where undefined."""
     degree = _under(hedges, symbol("x"), constant)
     valued: Node = op.where(op.equal(degree, degree), degree, 0.0)
     return valued
@@ -163,7 +163,7 @@ def weighed_strength(weight: float, threshold: float) -> Node:
 def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:
     """Return an expression of ``x`` as a function of a row and of some numbers.
 
-    The symbols are not read as words of Python: the name of a variable may be any text.
+    The symbols are not read as Python identifiers: a variable may have any name.
     """
     plain = tuple(f"n{index}" for index in range(len(numbers)))
     replacements = dict(zip(numbers, map(symbol, plain), strict=True))
@@ -181,8 +181,8 @@ def built_in_curve(name: str) -> Callable[..., None]:
 kernel(degree_on_corners)
 
 
-# Straight terms have lines in the kernel. Rows of corners are for sets that it asks by address:
-# under hedges that bend them, in an integral, and where a layout is loose.
+# Straight terms are lines in the kernel. Rows of corners are for sets called by address: under
+# hedges that bend them, in an integral, and in an editable layout.
 
 
 @kernel
@@ -194,7 +194,7 @@ def corners_row(x: Any, corners: Any, into: Any) -> None:
 
 @kernel
 def hedged_corners_row(x: Any, numbers: Any, into: Any) -> None:
-    """Do the same and apply hedges; their address is a whole number before the corners."""
+    """Compute degrees under hedges, whose address is a whole number before the corners."""
     corners = numbers[1 : numbers.shape[0]]
     for point in range(into.shape[0]):
         into[point] = degree_on_corners(corners, x[point])
@@ -207,7 +207,7 @@ def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
         return corners_row
     root = _under(hedges, symbol("degree"), constant)
     lines, result = printed(root, PYTHON, reserved=("degree",))
-    if "degree" in symbols(root):  # else they are 1 or 0 everywhere, as `any` is
+    if "degree" in symbols(root):  # else constant, as `any` is
         lines = ["degree = degree_on_corners(corners, x_row[i])", *lines]
     head = "for i in range(into.shape[0]):"
     body = [head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
@@ -220,14 +220,14 @@ def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
 
 
 class Addresses(Protocol):
-    """Who gives the functions that a program calls their numbers."""
+    """The numbering of the functions that a program calls."""
 
     @property
     def compiled(self) -> bool:
-        """Whether it is run as machine code here."""
+        """Whether the program runs as machine code in this process."""
 
     def norm(self, norm: Norm, sort: str) -> int:
-        """Return the number of a norm beside the kernel's own; `sort` is ``T`` or ``S``."""
+        """Return the number of a norm that is not built in; `sort` is ``T`` or ``S``."""
 
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
         """Return the number of a term's row function, and its own numbers."""
@@ -239,17 +239,17 @@ class Addresses(Protocol):
         """Return the number of a row function of an expression of ``x`` and of some numbers."""
 
     def program(self, program: DefuzzifierProgram) -> int:
-        """Return the number of a kernel that takes the block."""
+        """Return the number of a kernel over the block."""
 
 
 def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
-    """Return the number of a norm in a program: one of the kernel's own, or another."""
+    """Return the number of a norm in a program: built in, or another one."""
     registered = _OWN_NORMS.get((sort, norm.name))
     return addresses.norm(norm, sort) if registered is None else registered
 
 
 class InMemory(NamedTuple):
-    """Numbers that are addresses in this process, of machine code or of plain Python."""
+    """Addresses in this process, of machine code or of plain Python."""
 
     compiled: bool
 

@@ -1,9 +1,8 @@
-"""A set of a term: its degrees at points and over arrays, its pieces, where two sets cross.
+"""A set of a term: its degrees at points and over arrays, its pieces, crossings of two sets.
 
-A set is a shape under hedges. Cut into pieces on which it is monotone over a finite range
-it serves everything that needs more than degrees: the closed form of the centroid, level
-cuts, and the panels of the quadrature. Straight shapes give straight pieces, exactly;
-vertical edges are jumps between pieces.
+A set is a shape under hedges. Its monotone pieces over a finite range serve all uses beyond
+degrees: the closed form of the centroid, level cuts, and the panels of the quadrature. Straight
+shapes give straight pieces, exactly; vertical edges are jumps between pieces.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ def formula_of(shape: Shape) -> Formula:
 
 @lru_cache(maxsize=512)
 def degree_formula(shape: Shape) -> Node:
-    """Return the degree of a formula in `x`: 0 where it has no value, like the root of -1."""
+    """Return the degree of a formula in `x`: 0 where undefined, like the root of -1."""
     root = formula_of(shape).with_constants((POSITION,))
     return op.where(op.equal(root, root), root, 0.0) if may_lack_values(root) else root
 
@@ -74,7 +73,7 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     """
     if shape.kind == "formula":
         names = formula_of(shape).names
-        if names not in {(), (POSITION,)}:  # a value: whoever asks it for a degree is at fault
+        if names not in {(), (POSITION,)}:  # a value, which has no degrees: a mistake of the caller
             return _not_a_set(shape)
         height, computed = shape.height, python_function(degree_formula(shape), (POSITION,))
         degree: SetFunction = lambda x: height * computed(x)  # noqa: E731
@@ -127,7 +126,7 @@ def degrees(
 
 
 def hedged(hedges: Sequence[Hedge], degree: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an array of degrees as modified by hedges, the last of which acts first."""
+    """Return degrees modified by hedges; the last acts first."""
     import numpy as np
 
     for hedge in reversed(hedges):
@@ -247,7 +246,7 @@ def _turns(edges: list[float], membership: SetFunction) -> list[float]:
 
 
 def golden(function: SetFunction, a: float, b: float, sign: float, best: float) -> float:
-    """Return where a function is greatest (sign 1) or smallest (-1), by golden section."""
+    """Return the position of a function's maximum (sign 1) or minimum (-1), by golden section."""
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     c, d = b - ratio * (b - a), a + ratio * (b - a)
     fc, fd = sign * function(c), sign * function(d)
@@ -267,7 +266,7 @@ def golden(function: SetFunction, a: float, b: float, sign: float, best: float) 
 def _bent_by_hedges(
     shape: Shape, hedges: tuple[Hedge, ...], edges: list[float], low: float, high: float
 ) -> list[float]:
-    """Find where the degree below a hedge passes a level at which the hedge bends."""
+    """Return the positions where the degree below a hedge passes a bend of the hedge."""
     values = []
     for depth, hedge in enumerate(hedges):
         for level in HEDGES[hedge.name].bends:
@@ -279,7 +278,7 @@ def _bent_by_hedges(
 
 
 def bisect(function: SetFunction, a: float, b: float, level: float) -> float:
-    """Return where a monotone function passes `level` between `a` and `b`."""
+    """Return the position where a monotone function passes `level` between `a` and `b`."""
     rising = function(b) > function(a)
     for _ in range(80):
         middle = 0.5 * (a + b)
@@ -300,7 +299,7 @@ def peak(pieces: Sequence[Piece]) -> float:
 def cut(
     pieces: Sequence[Piece], membership: SetFunction, level: float
 ) -> list[tuple[float, float]]:
-    """Return the intervals where a set is at least `level`, in order, maybe touching."""
+    """Return the intervals where a set is at least `level`, in order, maybe adjacent."""
     intervals = []
     for piece in pieces:
         left, right = piece.y0 >= level, piece.y1 >= level
@@ -313,9 +312,9 @@ def cut(
 
 
 def crossing(piece: Piece, membership: SetFunction, level: float) -> float:
-    """Return where a piece passes `level`, which lies between its ends, or is one of them.
+    """Return the position where a piece passes `level`, a degree between its ends or at one.
 
-    A curve is at its peak in one point, whatever the neighbours are rounded to.
+    A curve has its peak at one point, even if neighbours round to the same degree.
     """
     if level in (piece.y0, piece.y1):
         return piece.x0 if level == piece.y0 else piece.x1
@@ -331,7 +330,7 @@ BELOW_ONE = 1.0 - 2.0**-53
 
 
 def plateaus(pieces: Sequence[Piece]) -> list[tuple[float, float]]:
-    """Return the stretches over which a set is 1: not its peak, where it is so by rounding."""
+    """Return the stretches over which a set is 1, without peaks that are so by rounding."""
     return [
         (piece.x0, piece.x1) for piece in pieces if piece.straight and piece.y0 == piece.y1 == 1.0
     ]
@@ -340,7 +339,7 @@ def plateaus(pieces: Sequence[Piece]) -> list[tuple[float, float]]:
 def middle_of_core(pieces: Sequence[Piece], membership: SetFunction) -> float:
     """Return the middle of the stretch where a set is greatest (its peak, equation 6.4).
 
-    Where several stretches are equally high, the middle from the first to the last.
+    Of several equally high stretches, the middle from the first to the last.
     """
     intervals = cut(pieces, membership, peak(pieces))
     return 0.5 * (intervals[0][0] + intervals[-1][1])
@@ -348,7 +347,7 @@ def middle_of_core(pieces: Sequence[Piece], membership: SetFunction) -> float:
 
 # --- Where two clipped sets may cross ---
 #
-# Panels cut there leave the quadrature nothing to seek.
+# Panels cut there leave nothing for the quadrature to search.
 #
 # Over a straight piece a set cut at the strength w is one of a few straight lines
 # α + β μ(y): under min it is μ or w, under product w μ, under bounded μ + w − 1. Two sets
@@ -359,13 +358,13 @@ Forms = tuple[tuple[Any, Any], ...]
 
 
 def cut_lines(implication: str, strength: Any) -> Forms | None:
-    """Return the lines of a set cut at a strength; None where the implication may bend them."""
+    """Return the lines of a set cut at a strength; None if the implication may bend them."""
     lines = TNORMS[implication].lines
     return None if lines is None else lines(strength)
 
 
 class Stretch(NamedTuple):
-    """Two members that are straight and not both zero from `start` to `end`.
+    """Two members, straight and not both zero, from `start` to `end`.
 
     Attributes
     ----------
@@ -411,7 +410,7 @@ def _between(piece: Piece, start: float, end: float) -> tuple[float, float]:
 
 
 def gaps(stretch: Stretch, first: Forms, second: Forms) -> list[tuple[Any, Any]]:
-    """Return by how much the first set is above the second at both ends, line by line.
+    """Return the differences of the first set from the second at both ends, line by line.
 
     They cross where the two signs differ, at the share gap₀ / (gap₀ − gap₁) of the way.
     """

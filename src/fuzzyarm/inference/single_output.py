@@ -1,7 +1,7 @@
-"""One output as numbers, for a caller that finds the strengths itself: exported programs.
+"""One output as numbers, for a caller with its own strengths: exported programs.
 
-No inputs, no rules: behind the head and the output are the groups, of which the caller fills in
-how strongly each is asserted.
+No inputs, no rules: after the head and the output come the groups; the caller fills in their
+heights.
 """
 
 from __future__ import annotations
@@ -29,21 +29,20 @@ if TYPE_CHECKING:
 
 
 class OutputLayout(NamedTuple):
-    """The numbers of one output, for a defuzzifier that is given the strengths.
+    """The numbers of one output, for a defuzzifier with given strengths.
 
     Attributes
     ----------
     whole, floats : list
-        Numbers of the defuzzifier. After the head and the output come the groups, which list no
-        rules.
+        Numbers of the defuzzifier. After the head and the output come the groups, without rules.
     program : DefuzzifierProgram
         The defuzzifier.
     groups : tuple of int
         Indices by group: of its members where strengths are folded, else of its contributions.
     rows : int
-        Rows of scratch that the caller fills: a strength for each group, or as it says.
+        Rows of scratch filled by the caller: a strength for each group, unless the program differs.
     samples : int
-        Half of the floats that it works in behind these rows and the work rows.
+        Half of the work floats after these rows and the work rows.
     """
 
     whole: list[int]
@@ -55,7 +54,7 @@ class OutputLayout(NamedTuple):
 
 
 def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
-    """Write down the tables of one output, for a caller that finds the strengths itself.
+    """Write the tables of one output, for a caller with its own strengths.
 
     Parameters
     ----------
@@ -64,7 +63,7 @@ def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
     name : str
         An output; under ``max`` its rules are folded by the caller, else every rule is a group.
     addresses : Addresses
-        Who numbers the functions.
+        The numbering of functions.
 
     Raises
     ------
@@ -91,7 +90,7 @@ class _OneOutput:
             _demand_known_implications(output)
 
     def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
-        """There are no rules."""
+        """Raise an error: there are no rules."""
         raise NotImplementedError
 
     def output_layout(self) -> OutputLayout:
@@ -136,12 +135,12 @@ class _OneOutput:
         whole.append(groups)
         for consequent in consequents:
             whole += [0, consequent]
-        # What reads ahead of a condition, as some languages do, stays inside.
+        # A language may evaluate an operand before its condition: the index stays inside.
         self.floats += [0.0, 0.0]
 
 
 def _demand_known_implications(plan: OutputPlan) -> None:
-    """Refuse exact integrals under an implication of one's own: a program may lack its norms."""
+    """Refuse exact integrals under a user's implication: a program may lack its norms."""
     if program_of(plan).takes_long:
         for member in plan.members:
             if TNORMS[member.implication].own:

@@ -1,8 +1,8 @@
 """The kernel with the numbers of one stage of a rule base, at a point.
 
-At an ordinary point the kernel alone gives the outputs. It writes NaN where an output has no value,
-is outside a range that forbids it, or no rule fires; only then the cause is looked up, and
-the held value, or an error that names the output, takes its place.
+At an ordinary point the kernel alone computes the outputs. It writes NaN for an output without a
+value, outside a range that forbids it, or without a firing rule; only then is the cause sought, and
+the held value, or an error with the name of the output, takes its place.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ class PointFunctions(NamedTuple):
     at : callable
         From the inputs by position to a tuple of the outputs.
     named : callable
-        From a dictionary to a dictionary; None for a point that is not ordinary: an input that is
-        no float or int, an output without a value.
+        From a dictionary to a dictionary; None for an extraordinary point: an input that is not a
+        float or int, an output without a value.
     call : callable
         From arguments, by position or by name, to a dictionary of the outputs.
     """
@@ -58,12 +58,12 @@ class Stage:
     rulebase : RuleBase
         The stage.
     own : int
-        How many of its inputs, the first, are those of the whole; the rest are earlier outputs.
+        Number of its inputs, the first, that are inputs of the whole; the rest are earlier outputs.
     otherwise : callable
-        Fallback for a point that is not ordinary: from arguments, by position or by name, to
+        Fallback for an extraordinary point: from arguments, by position or by name, to
         the outputs by name.
     machine_code : bool
-        Whether to take it where there is some.
+        Whether to use machine code where available.
 
     Attributes
     ----------
@@ -76,10 +76,10 @@ class Stage:
     compiled : bool
         Whether machine code reads them.
     reason : str
-        The part that it does not cover, so that the source of the kernel is interpreted.
+        The part that machine code does not cover, if the kernel is interpreted.
     found : callable
-        Of the interpreted kernel: from the inputs in their order to the outputs, NaN where one has
-        no value; None for inputs that are no numbers.
+        Of the interpreted kernel: from the inputs in their order to the outputs, NaN without a
+        value; None for inputs that are not numbers.
     """
 
     found: Callable[[Iterable[Any]], list[float] | None]
@@ -105,7 +105,7 @@ class Stage:
         otherwise = self._otherwise
         if self.compiled:
             places = (block.columns, inputs), (block.results, outputs)
-            with suppress(ValueError):  # more inputs than the machine code of a point has room for
+            with suppress(ValueError):  # more inputs than machine code of a point accepts
                 bindings = bindings_for(block.numbers)
                 return PointFunctions(
                     *point_functions(evaluate, bindings, block.numbers, *places, otherwise)
@@ -116,7 +116,7 @@ class Stage:
         turn = lock()
 
         def evaluated(values: Iterable[Any]) -> list[float] | None:
-            with turn:  # there is one block
+            with turn:  # one block for all threads
                 try:
                     for column, value in enumerate(values):
                         columns[column] = float(value)
@@ -146,7 +146,7 @@ class Stage:
         return PointFunctions(at, named, otherwise)
 
     def without(self, missing: tuple[str, ...]) -> Stage:
-        """Return the stage where earlier outputs have no value; with none missing, itself."""
+        """Return the stage where the earlier outputs in `missing` have no value; itself if none."""
         if not missing:
             return self
         if missing not in self._without:
@@ -164,7 +164,7 @@ class Stage:
         Raises
         ------
         InferenceError, NoRuleFiredError
-            For an output that has no value, or may not have that one.
+            For an output without a value, or with a forbidden one.
         """
         missing = tuple(name for name in self.inputs if math.isnan(values[name]))
         columns = [0.0 if name in missing else values[name] for name in self.inputs]
@@ -187,7 +187,7 @@ class Stage:
     def _stated(
         self, output: Output, values: Mapping[str, float], held: Mapping[str, float]
     ) -> float:
-        """Return the value of an output where no rule fires."""
+        """Return the value that an output states for no rule."""
         if output.no_rule == "hold":
             return held_value(output, held)
         if isinstance(output.no_rule, str):
@@ -204,7 +204,7 @@ class Stage:
 
 
 def _laid_out(rulebase: RuleBase, *, machine_code: bool) -> tuple[Layout, bool, str]:
-    """Return the numbers of a rule base, whether machine code reads them, and why not."""
+    """Return the layout of a rule base, whether machine code reads it, and why not."""
     laid = plan(rulebase)
     reason = ""
     if machine_code:
@@ -216,15 +216,15 @@ def _laid_out(rulebase: RuleBase, *, machine_code: bool) -> tuple[Layout, bool, 
 
 
 def runner(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
-    """Return the shortest call of the kernel on a block with room for one point."""
+    """Return the fastest call of the kernel on a block with room for one point."""
     if compiled:
-        # One point takes less time than to free the GIL and to wait for it again.
+        # One point takes less time than releasing and reacquiring the GIL.
         return bound_routine(evaluate, "f", (block.numbers,), brief=True)
 
     def run() -> None:
         try:
             evaluate(block.numbers)
-        except (ArithmeticError, ValueError):  # numbers of Python raise where others are NaN
+        except (ArithmeticError, ValueError):  # Python raises where machine code has NaN
             import numpy as np
 
             with np.errstate(all="ignore"):
@@ -234,7 +234,7 @@ def runner(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
 
 
 class _Judge:
-    """The output at a point where the kernel writes NaN: a block of its own."""
+    """The cause of a NaN of the kernel at a point, found with a block of its own."""
 
     def __init__(self, stage: Stage) -> None:
         self._block = make_block(stage.layout, 1)
@@ -243,7 +243,7 @@ class _Judge:
         self._outputs = stage.rulebase.outputs
 
     def found(self, columns: Sequence[float]) -> list[float | None]:
-        """Return the unlimited outputs: None where no rule fires, NaN without a value."""
+        """Return the unclamped outputs: None where no rule fires, NaN without a value."""
         with self._turn:
             found: list[float | None] = [*self._evaluated(columns, at.EXTEND, math.nan)]
             if not any(math.isnan(value) for value in found if value is not None):
@@ -252,14 +252,14 @@ class _Judge:
             zeros = self._evaluated(columns, at.CLAMP, 0.0)
         for o, output in enumerate(self._outputs):
             if math.isnan(found[o] or 0.0):
-                if not math.isnan(clamped[o]):  # infinite: only an end of a range is left of it
+                if not math.isnan(clamped[o]):  # infinite, clamped to an end of the range
                     found[o] = math.inf if clamped[o] >= output.high else -math.inf
                 elif not math.isnan(zeros[o]):
                     found[o] = None
         return found
 
     def _evaluated(self, columns: Sequence[float], mode: int, silent: float) -> list[float]:
-        """Run the kernel with something else outside ranges and where no rule fires."""
+        """Run the kernel with other settings for outside values and for no rule."""
         numbers, k = self._block.numbers, self._block.whole
         for o in range(len(self._outputs)):
             head = k[at.OUTPUTS_AT] + at.OUTPUT_HEAD * o
@@ -269,6 +269,6 @@ class _Judge:
                 numbers[end] = min(max(numbers[end], -LARGEST), LARGEST)
             numbers[bounds + 2] = silent
         for column, value in enumerate(columns, self._block.columns):
-            numbers[column] = min(max(value, -LARGEST), LARGEST)  # an infinite one is in no cell
+            numbers[column] = min(max(value, -LARGEST), LARGEST)  # infinity is in no cell
         self._run()
         return list(numbers[self._block.results : self._block.results + len(self._outputs)])

@@ -1,8 +1,8 @@
-"""Rule bases in stages: an output that later rules read is an input of the stage behind it.
+"""Rule bases in stages: an output read by later rules is an input of the next stage.
 
-The kernel goes from inputs to outputs once. Where rules, or formulas of consequents, read the
-value of an output, the rules that conclude it form a rule base of their own, and its readers
-another one. A rule that reads how far an output of its own block is asserted needs no stage.
+The kernel goes from inputs to outputs once. Where rules, or formulas of consequents, read the value
+of an output, its rules form a rule base of their own, and its readers another one. A rule that
+reads the degrees of an output of its own block needs no stage.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from fuzzyarm.language.model.rulebase import (
 
 
 def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:
-    """Return rule bases that give the outputs of one, each from its inputs and earlier outputs.
+    """Return the stages of a rule base, each a function of its inputs and earlier outputs.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:
     chained = any(isinstance(step, str) for step in full.steps[: len(full.rules)])
     members = (member for output in full.outputs.values() for member in output.members)
     if not chained and not any(member.formula is not None for member in members):
-        return (rulebase,)  # as nearly all
+        return (rulebase,)  # the usual case
     levels = _levels(full)
     count = max(levels.values(), default=1)
     if count == 1:
@@ -62,7 +62,7 @@ def _values_read(full: Plan, name: str) -> set[str]:
 
 
 def _sets_read(full: Plan, names: Iterable[str]) -> set[str]:
-    """Return outputs, and all of which they read how far these are asserted."""
+    """Return outputs, and all outputs whose degrees they read."""
     found, new = set[str](), set(names)
     while new:
         found |= new
@@ -92,7 +92,7 @@ def _levels(full: Plan) -> dict[str, int]:
 def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int) -> RuleBase:
     names = _sets_read(full, (name for name in levels if levels[name] == level))
     read = {each for name in names for each in _values_read(full, name)}
-    # Of an output that is read both ways the value is an input, and the set has another name.
+    # The value of an output that is read both ways is an input; its set gets another name.
     sets = {name: f"{name} as a set" for name in names & read}
     more = [output for output in rulebase.outputs if output.name in read]
     upper = iter(full.readings)
@@ -109,7 +109,7 @@ def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int
     ]
     return replace(
         rulebase,
-        # A stated value for silence may lie outside the range on purpose.
+        # A stated value for no rule may lie outside the range on purpose.
         inputs=(*rulebase.inputs, *(
             Input(each.name, each.low, each.high, each.terms, outside="extend") for each in more
         )),
@@ -128,7 +128,7 @@ def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int
 
 
 def _rule_of_stage(rule: Rule, degrees: Set[str], names: Set[str], sets: Mapping[str, str]) -> Rule:
-    """Return a rule with its consequents in a stage, and sets under their names there."""
+    """Return a rule of a stage: its consequents there, sets under their names there."""
 
     def renamed(part: Is) -> Is:
         reads_set = part.variable in degrees
@@ -146,7 +146,7 @@ def _rule_of_stage(rule: Rule, degrees: Set[str], names: Set[str], sets: Mapping
 
 
 def _over_more(output: Output, more: int) -> Output:
-    """Return an output whose linear terms have so many more coefficients, of nothing."""
+    """Return an output whose linear terms have `more` further coefficients, all 0."""
 
     def over(shape: Shape) -> Shape:
         if shape.kind != "linear":
@@ -164,9 +164,9 @@ def _over_more(output: Output, more: int) -> Output:
 
 
 def without_values(stage: RuleBase, missing: tuple[str, ...]) -> RuleBase:
-    """Return a stage where earlier outputs have no value: propositions about them do not hold.
+    """Return a stage in which earlier outputs have no value: propositions about them are false.
 
-    Their propositions are 0, hedged or not, and a formula of them is NaN.
+    Their degrees are 0, hedged or not, and a formula of them is NaN.
     """
 
     def unhedged(part: Is) -> Is:

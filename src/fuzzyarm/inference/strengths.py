@@ -1,4 +1,4 @@
-"""How far every rule fires: one walk over the rules, at a point or over arrays.
+"""The firing strength of every rule: one walk, at a point or over arrays.
 
 For explanations. Outputs come from the kernel, and so do the values that later rules read.
 """
@@ -109,7 +109,7 @@ class _Walk:
         return self._degrees[key]
 
     def _asserted(self, part: Is) -> Strength:
-        """How far the rules so far assert a term of an output of the same block."""
+        """Return the degree of a term of an output of the same block, from the rules so far."""
         output = self._plan.outputs[part.variable]
         terms = {i for i, member in enumerate(output.members) if member.term.name == part.term}
         norm = self._algebra.norm(SNORMS[output.output.aggregation])
@@ -122,14 +122,14 @@ class _Walk:
 
 
 def rule_strengths(steps: Plan, values: Mapping[str, float]) -> list[float]:
-    """Return how far each rule of a plan fires at inputs, and outputs that later rules read."""
+    """Return the firing strengths of a plan's rules, and the outputs that later rules read."""
     return _Walk(steps, values, _float_algebra()).strengths()
 
 
 def firing_strengths(
     rulebase: RuleBase, inputs: Mapping[str, Any]
 ) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
-    """Return how far every rule fires at many points, and the outputs there.
+    """Return the firing strengths of all rules at many points, and the outputs there.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def firing_strengths(
         Truth of the antecedent times the weight, in the order of ``rulebase.rules``; the upper
         strength where it is of interval type 2.
     outputs : dict of str to ndarray of float64
-        NaN where no rule fires, whatever the file says for that case.
+        NaN where no rule fires, whatever the file states for that case.
 
     Raises
     ------

@@ -74,10 +74,10 @@ def parts_of(shape: tuple[int, ...], most: int) -> Iterator[Part]:
 
 
 def _working_shape(arrays: dict[str, Array], shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Bring arrays to the number of axes of their broadcast shape, to one if that is enough."""
+    """Return the shape of the work: that of the broadcast arrays, or one axis if that is enough."""
     size = math.prod(shape)
-    # All are one number, or one for each point: a single axis will do. Else the axes stay, so that
-    # an input along one of them keeps its own small shape.
+    # Scalars and full arrays need one axis. Otherwise the axes stay, so that an input along one of
+    # them keeps its small shape.
     flat = all(array.size in {1, size} for array in arrays.values())
     for name, array in arrays.items():
         filled = (1,) * (len(shape) - array.ndim) + array.shape
@@ -139,7 +139,7 @@ class Sweeps:
     def _point_by_point(
         self, arrays: Mapping[str, Array], working: tuple[int, ...], results: Array
     ) -> int:
-        """Interpret the kernel at each point; return how many results have no ordinary value."""
+        """Interpret the kernel at each point; return the number of extraordinary results."""
         columns = [np.broadcast_to(array, working).ravel().tolist() for array in arrays.values()]
         rows = results.reshape(len(results), -1)
         for point, values in enumerate(zip(*columns, strict=True)):
@@ -150,7 +150,7 @@ class Sweeps:
     def _by_machine_code(
         self, arrays: Mapping[str, Array], working: tuple[int, ...], results: Array
     ) -> int:
-        """Fill the results in; return how many of them have no ordinary value."""
+        """Fill in the results; return the number of those without an ordinary value."""
         size = math.prod(working)
         workers = processors() if size >= MANY else 1
         few = max(len(arrays), len(results)) <= MOST_COLUMNS
@@ -165,8 +165,8 @@ class Sweeps:
         return sum(in_threads(fill, parts, workers))
 
     def _sweep(self, arrays: tuple[Array, ...], size: int, workers: int) -> int:
-        """Evaluate plain arrays; return how many outputs have no ordinary value."""
-        # A few shares for each thread: another process may hold one of them up.
+        """Evaluate plain arrays; return the number of outputs without an ordinary value."""
+        # A few shares for each thread: another process may delay one of them.
         share = max(self._chunk, math.ceil(size / (SHARES * workers)))
         capacity = self._room(size)
 
@@ -182,7 +182,7 @@ class Sweeps:
         return sum(in_threads(fill, range(0, size, share), workers))
 
     def _room(self, size: int) -> int:
-        """Return the points for which the block of so many has room."""
+        """Return the capacity in points of the block for `size` points."""
         return FEW if size <= FEW else self._chunk
 
     def _sweeper(self, points: int) -> _Sweep:
@@ -197,7 +197,7 @@ class Sweeps:
         )
 
     def _fill(self, arrays: Mapping[str, Array], results: Array, part: Part) -> int:
-        """Evaluate one chunk of points; return how many outputs have no ordinary value."""
+        """Evaluate one chunk of points; return the number of outputs without an ordinary value."""
         shape = tuple(extent.stop - extent.start for extent in part)
         count = math.prod(shape)
         capacity = self._room(count)
@@ -242,7 +242,7 @@ class Sweeps:
         results[:, where] = settled.T
 
     def _fill_gaps(self, output: Output, result: Array, held: Mapping[str, float]) -> bool:
-        """Fill in the held value, or NaN; return False where another reason may be behind it."""
+        """Fill in the held value, or NaN; return False if there may be another cause."""
         if output.outside != "clamp" or not stands_in_for_nan(output):
             return False
         if output.no_rule == "hold":
@@ -271,7 +271,7 @@ class StagedSweeps:
         return {output.name: values[output.name] for output in self._rulebase.outputs}
 
     def _sweeps_of(self, stage: Stage) -> Sweeps:
-        if id(stage) not in self._sweeps:  # which the stages keep alive
+        if id(stage) not in self._sweeps:  # kept alive by the stages
             self._sweeps[id(stage)] = Sweeps(stage)
         return self._sweeps[id(stage)]
 
@@ -282,7 +282,7 @@ class StagedSweeps:
         shape: tuple[int, ...],
         held: Mapping[str, float],
     ) -> dict[str, Array]:
-        """Evaluate a stage: points at which the same earlier outputs have no value together."""
+        """Evaluate a stage: points that lack the same earlier outputs together."""
         gaps = {name: np.isnan(array) for name, array in arrays.items()}
         some = [name for name, gap in gaps.items() if gap.any()]
         if not some:
@@ -304,5 +304,5 @@ class StagedSweeps:
 
 
 def _is_plain(array: Array, shape: tuple[int, ...]) -> bool:
-    """Whether the machine code can read an array as it is."""
+    """Whether the machine code can read an array directly."""
     return array.shape == shape and array.flags.c_contiguous

@@ -53,13 +53,13 @@ class FuzzyValue:
     name : str
         The variable.
     given : float
-        The value as it came.
+        The value passed by the caller.
     value : float
-        The value that was used, inside the range if it is clamped.
+        The value used, clamped to the range if necessary.
     degrees : tuple of (str, float)
         (term, membership) for every term, without hedges. Of an interval type-2 term the upper one.
     lower : tuple of (str, float)
-        The lower memberships, of every term; empty where none is of interval type 2.
+        The lower membership of every term; empty if none is of interval type 2.
     """
 
     name: str
@@ -72,7 +72,7 @@ class FuzzyValue:
 @json_properties("* lower?")
 @dataclass(frozen=True, slots=True)
 class RuleTrace:
-    """A rule and how far it fires.
+    """A rule and its firing strength.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class RuleTrace:
     consequents : tuple of (str, str)
         (output, term with hedges).
     lower : float or None
-        Where it fires between two strengths: the lower one, `strength` being the upper.
+        The lower strength of an interval type-2 rule; `strength` is the upper one.
     """
 
     number: int
@@ -112,14 +112,14 @@ class RuleTrace:
 
 def place_of(number: int, line: int, column: int) -> str:
     """Return the name of a rule: its line and column, or its number where it has no text."""
-    # No rule is at the first character of a file: that position marks one made in Python.
+    # No rule begins at the first character of a file: that position marks one made in Python.
     return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
 
 
 @json_properties("* lower? lower_value? lower_curve?")
 @dataclass(frozen=True, slots=True)
 class ConsequentTrace:
-    """The assertion about one term of an output by all its rules together.
+    """The assertion of one term of an output by all its rules together.
 
     Attributes
     ----------
@@ -161,18 +161,18 @@ class OutputTrace:
     fired : bool
         Whether any rule fired; otherwise `value` is the stated default or the held value.
     consequents : tuple of ConsequentTrace
-        Those that are asserted.
+        The asserted ones.
     aggregate : tuple of (float, float)
         The aggregated set as a curve; empty for values.
     value : float
-        The result; NaN where there is none.
+        The result; NaN without one.
     lower_aggregate : tuple of (float, float)
-        The lower set, where it is of interval type 2; `aggregate` is the upper one.
+        The lower set of an interval type-2 output; `aggregate` is the upper one.
     left : float or None
-        The left end of its centroid, by Karnik and Mendel. It is its own switch point: the
-        centroid of the set that is the upper one on its left and the lower one on its right.
+        The left end of its centroid, by Karnik and Mendel. It is its own switch point: the centroid
+        of the set that is upper on its left and lower on its right.
     right : float or None
-        The right end, of the set that is the other way round.
+        The right end, with the sides exchanged.
     """
 
     name: str
@@ -217,7 +217,7 @@ class Trace(Drawn, JsonRecord):
 
     @property
     def is_type2(self) -> bool:
-        """Whether something in it lies between two."""
+        """Whether some strength or value in it is an interval."""
         return any(rule.lower is not None for rule in self.rules)
 
     @property
@@ -298,7 +298,7 @@ def _fired(output: OutputPlan, strengths: Sequence[float]) -> Fired:
 
 @dataclass(frozen=True, slots=True)
 class NearRule:
-    """A rule that does not fire, and its missing conditions.
+    """A rule that does not fire, with the degrees of its conditions.
 
     Attributes
     ----------
@@ -314,7 +314,7 @@ class NearRule:
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """Why no rule fires for an output: the degrees, and the rules that come nearest to firing."""
+    """The reason why no rule fires for an output: the degrees, and the rules nearest to firing."""
 
     output: str
     inputs: tuple[FuzzyValue, ...]
@@ -333,9 +333,9 @@ def explain_silence(
     inputs : mapping of str to float
         A point at which evaluation raises :class:`NoRuleFiredError`.
     output : str
-        The output without a rule.
+        The output without a firing rule.
     most : int
-        So many rules are returned: those with the fewest propositions that do not hold at all.
+        Greatest number of rules returned: those with the fewest false propositions.
     """
     values = {v.name: bring_into_range(v, float(inputs[v.name])) for v in rulebase.inputs}
     fuzzy = tuple(_fuzzy_value(v, inputs, values[v.name]) for v in rulebase.inputs)
@@ -357,7 +357,7 @@ def explain_silence(
 
 def _distance(near: NearRule) -> tuple[int, float]:
     degrees = [degree for _, degree in near.propositions]
-    # Fewest propositions that fail; of equals the one whose weakest other one holds most.
+    # Fewest false propositions; then the strongest of the weakest other proposition.
     holding = [degree for degree in degrees if degree > 0.0]
     return len(degrees) - len(holding), -min(holding, default=0.0)
 
@@ -460,7 +460,7 @@ def _output_of_type_2(asserted: _Asserted, ends: Mapping[str, tuple[float, float
         if folded.get(pair[0], 0.0) <= 0.0:
             continue
         upper, lower = (_consequent(asserted, plan.members[i], folded.get(i, 0.0)) for i in pair)
-        # One of the two has the name of the file, the other one that was made up.
+        # One of the two has its name in the file, the other a generated one.
         member = next(plan.members[i] for i in pair if plan.members[i].term.name in names)
         consequents.append(
             replace(
@@ -522,10 +522,10 @@ def _clipped(member: Member, strength: float) -> Curve:
 
 
 def _along(piece: Piece, member: Member, strength: float) -> list[tuple[float, float]]:
-    """Return the corners of a piece, its bend at the clipping level among them."""
+    """Return the corners of a piece, with the bend at its clipping level."""
     stops = [(piece.x0, piece.y0), (piece.x1, piece.y1)]
-    # Where a cut set bends: `bounded` leaves max(0, y + strength − 1), `nilpotent` the smaller of
-    # both where their sum exceeds 1.
+    # Bends of a cut set: `bounded` leaves max(0, y + strength − 1), `nilpotent` the smaller of both
+    # where their sum exceeds 1.
     levels = {"min": [strength], "bounded": [1.0 - strength], "nilpotent": [strength, 1 - strength]}
     inside = [
         (crossing(piece, member.membership, level), level)
@@ -546,7 +546,7 @@ def _union(function: Any, corners: set[float], low: float, high: float) -> Curve
     xs = sorted(corners | even)
     curve = [(xs[0], function(xs[0]))]
     for a, b in pairwise(xs):
-        # At an edge itself the higher side counts; a picture shows both.
+        # At a vertical edge the higher side counts; a picture shows both.
         start, end = function(math.nextafter(a, b)), function(math.nextafter(b, a))
         if not math.isclose(start, curve[-1][1], abs_tol=1e-9):
             curve.append((a, start))
@@ -558,7 +558,7 @@ def _union(function: Any, corners: set[float], low: float, high: float) -> Curve
 
 
 def sentence(rule: Rule) -> str:
-    """Return a rule in words, for people: names as they are, never parsed again."""
+    """Return a rule in words, for people; names are not quoted."""
     then = " and ".join(f"{c.variable} is {_worded(c.term, c.hedges)}" for c in rule.consequents)
     weight = f" with {rule.weight:g}" if rule.weight != 1.0 else ""
     return f"if {_words(rule.antecedent)} then {then}{weight}"

@@ -1,27 +1,26 @@
 r"""From interval type-2 sets to a number, as defuzzifiers of the kernel.
 
-The set is all memberships μ between a lower one L and an upper one U. Their centroids fill an
-interval. Its right end belongs to the μ that is L on the left of some c and U on the right of
+The set comprises all memberships μ between a lower one L and an upper one U. Their centroids fill
+an interval. Its right end belongs to the μ that is L on the left of some c and U on the right of
 it, and c is that centroid (Karnik and Mendel). With
 
     φ(c) = (∫_{y<c} y L + ∫_{y>c} y U) / (∫_{y<c} L + ∫_{y>c} U)
 
-no φ(c) is beyond the end, and where c is short of it, φ(c) is nearer: c ← φ(c) rises to it, each
-step twice as many digits (it is Newton's on the root of F in :mod:`.centroid_bounds`, which
-has the same bounds over arrays of panels, for proofs). The left end is the mirrored case. Over
-samples, and over the values of Takagi and Sugeno, integrals are sums and the steps are finite.
-Nie and Tan take the centroid of (L + U) / 2.
+no φ(c) exceeds the end, and for c below it φ(c) is nearer: c ← φ(c) converges monotonically and
+quadratically (it is Newton's iteration for the root of F in :mod:`.centroid_bounds`, which has the
+same bounds over arrays of panels, for proofs). The left end is the mirrored case. Over samples, and
+over the values of Takagi and Sugeno, integrals are sums and the steps are finite. Nie and Tan take
+the centroid of (L + U) / 2.
 
-Where L is 0 everywhere, the ends are those of the support of U, to which the ends for a small L
-go.
+Where L is 0 everywhere, the ends are those of the support of U, the limit for a vanishing L.
 
-The kernel has found the strengths of both readings of the rules; each consequent says whether it is
-of the upper set (side 0) or of the lower one (side 1). Each side has the record (samples, envelopes
-of straight sets, integrals of curved ones) that the defuzzifiers of type 1 make of all consequents.
+The kernel has computed the strengths of both readings of the rules; each consequent has its side: 0
+for the upper set, 1 for the lower one. Each side is represented as in the defuzzifiers of type 1:
+samples, envelopes of straight sets, integrals of curved ones.
 
-Every defuzzifier gives something above 0 where there is a value, and the value itself: the end
-that the last of the output's floats selects: -1 the left one, 1 the right one, 0 their
-combination. Nie and Tan's give area and moment.
+Every defuzzifier returns a number above 0 if there is a value, and the value: the end selected by
+the last of the output's floats, -1 the left one, 1 the right one, 0 their combination. Nie and
+Tan's return area and moment.
 
 References
 ----------
@@ -59,8 +58,8 @@ from fuzzyarm.inference.kernel import made_of
 from fuzzyarm.inference.quadrature_kernel import integrate
 from fuzzyarm.symbolic.kernels import kernel
 
-# Whole numbers of a consequent that is a value between two: which pair it belongs to, its side,
-# and where the lower and the upper value are in f: constant, then a coefficient for each input.
+# Whole numbers of an interval value: its pair, its side, and the indices in f of the lower and the
+# upper value: constant, then a coefficient for each input.
 PAIR, PAIR_SIDE, LEAST_AT, GREATEST_AT = range(4)
 
 PAIR_ROWS = 4
@@ -72,7 +71,7 @@ PAIR_ROWS = 4
 
 @kernel
 def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float) -> float:
-    """Return the greatest (sign 1) or least (-1) average of numbers with weights between two.
+    """Return the greatest (sign 1) or least (-1) average of numbers with interval weights.
 
     0 where all weights are 0. Plain enough for a compiler.
     """
@@ -91,7 +90,7 @@ def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float
                 weight = upper[i] if sign * (numbers[i] - c) > 0.0 else lower[i]
                 total += weight
                 moment += weight * numbers[i]
-        # Nothing is left beyond c where all lower weights are 0: it is the last number.
+        # If all lower weights are 0 there is no weight beyond c: it is the last number.
         if not total > 0.0:
             break
         if not sign * (moment / total - c) > 0.0:
@@ -103,16 +102,16 @@ def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float
 # ── values ───────────────────────────────────────────────────────────────────────────
 
 
-# A point goes the same way in all of Karnik and Mendel's below: write down the upper set (side 0)
-# and the lower one (side 1) of what fired, start at the centroid of both, reach the ends that are
-# requested. An end costs up to five passes, so that the other one is left out.
+# All of Karnik and Mendel's below take the same steps at a point: compute the upper set (side 0)
+# and the lower one (side 1), start at the centroid of both, iterate to the requested ends. An end
+# costs up to five passes: no end is computed in vain.
 
 
 @kernel
 def karnik_mendel_values(block: Any) -> None:
-    """Find the ends of the average of values with weights between two.
+    """Find the ends of the average of values with interval weights.
 
-    ``k[DETAIL]`` says how many pairs there are.
+    ``k[DETAIL]`` is the number of pairs.
     """
     k, f, scratch, total, moment = parts_of(block)
     width = k[WIDTH]
@@ -121,7 +120,7 @@ def karnik_mendel_values(block: Any) -> None:
     least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
     for point in range(total.shape[0]):
-        # A pair that does not fire keeps weights of 0; its values are then never looked at.
+        # A pair that does not fire keeps weights of 0; its values are then ignored.
         for pair in range(pairs):
             lower[pair] = 0.0
             upper[pair] = 0.0
@@ -141,7 +140,7 @@ def karnik_mendel_values(block: Any) -> None:
                 one = value_of(block, k, f, k[consequent + LEAST_AT], point)
                 other = value_of(block, k, f, k[consequent + GREATEST_AT], point)
                 least[pair], greatest[pair] = min(one, other), max(one, other)
-        for pair in range(pairs):  # rounding may leave it above
+        for pair in range(pairs):  # rounding may put it above
             lower[pair] = min(lower[pair], upper[pair])
         total[point] = strongest
         if strongest > 0.0:
@@ -171,7 +170,7 @@ def ends_of_values(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tuple
 
 @kernel
 def value_of_pairs(k: Any, f: Any, heap: Any, pairs: int) -> float:
-    """Return the value made of the ends of an average, see :data:`PAIR_ROWS`."""
+    """Return the requested end of an average, from its pairs, see :data:`PAIR_ROWS`."""
     least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
     wanted = wanted_end(k, f)
@@ -192,7 +191,7 @@ def wanted_end(k: Any, f: Any) -> float:
 
 @kernel
 def value_of_ends(k: Any, f: Any, heap: Any, left: float, right: float) -> float:
-    """Return the requested end, or the value made of both: usually their midpoint."""
+    """Return the requested end, or the value from both: usually their midpoint."""
     end = wanted_end(k, f)
     value = left
     if end > 0.0:
@@ -224,13 +223,13 @@ def ends_of_samples(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tupl
     wanted = wanted_end(k, f)
     upper, lower = heap[:samples], heap[samples : 2 * samples]
     cut = heap[2 * samples : 3 * samples]
-    first, last = samples, 0  # the stretch where either set is not zero
+    first, last = samples, 0  # the nonzero stretch of either set
     for side in range(2):
         # Each side has a stretch of the heap of its own; `cut` is scratch.
         own = heap[side * samples : (side + 1) * samples]
         begin, behind = sample(k, f, scratch, point, side, own, cut)
         first, last = min(first, begin), max(last, behind)
-    # A sample counts by its share of the integral: weights of the ends may be a half.
+    # A sample weighs as its share of the integral: ends may have half the weight.
     strongest = 0.0
     for i in range(first, last):
         strongest = max(strongest, upper[i])
@@ -278,7 +277,7 @@ def ends_of_envelopes(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tu
     wanted = wanted_end(k, f)
     centre = 0.5 * (f[numbers] + f[numbers + 1])
     begin = k[k[OUTPUT] + DETAIL]
-    # The upper envelope from `begin` to `middle`, behind it the lower one to `behind`.
+    # The upper envelope from `begin` to `middle`, then the lower one up to `behind`.
     middle = behind = begin
     area = torque = lower_area = value = 0.0
     for side in range(2):
@@ -384,8 +383,8 @@ def reach_integral(
 def last_integrated(k: Any, f: Any, scratch: Any, heap: Any, point: int, sign: float) -> float:
     """Return the end of the support of the upper set: of the first or last panel with an area."""
     infinity = math.inf
-    # Up to the panel where the area is more than nothing; for the right end up to the panel
-    # where it is all there is, and once more from there on, as long as something is left.
+    # Up to the first panel with an area; for the right end up to the panel where the area is
+    # complete, and again from there on while some is left.
     last, wanted = -infinity, (5e-324 if sign < 0.0 else infinity)
     for _ in range(STEPS):
         area, _, x_0, x_1 = integrate(k, f, scratch, heap, point, 0, last, infinity, wanted)

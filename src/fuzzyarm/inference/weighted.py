@@ -1,4 +1,4 @@
-"""Where a monotonic set reaches a firing strength: Tsukamoto's consequents."""
+"""The position of a firing strength in a monotonic set: Tsukamoto's consequents."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzyarm.symbolic.kinds import SHAPES
 
 
 def tsukamoto_position(plan: OutputPlan, member: Member, strength: float) -> float:
-    """Return where the set of `member` reaches `strength`; the nearest it has otherwise."""
+    """Return the position where the set of `member` reaches `strength`; else the nearest one."""
     shape = member.term.shape
     inverse = SHAPES[shape.kind].position_of
     if inverse is not None and not member.hedges:

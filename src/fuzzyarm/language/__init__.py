@@ -1,6 +1,6 @@
 """The language of ``.frb`` files: model, reading, canonical printing, checks.
 
-Reading order: :mod:`.model` (what a file means), :mod:`.tokens`, :mod:`.parts` and :mod:`.rows`
+Reading order: :mod:`.model` (the meaning of a file), :mod:`.tokens`, :mod:`.parts` and :mod:`.rows`
 (a statement as a row of parts), :mod:`.statements` and :mod:`.controllers` (all rows),
 :mod:`.document` (a file as a tree), :mod:`.meaning` (from tree to model), :mod:`.writer` (back
 to text), :mod:`.check` (checks of a sound file), :mod:`.edit` (the questions of an editor).

@@ -85,7 +85,7 @@ def _limits_that_add_up(axes: Axes) -> Iterator[Diagnostic]:
 
 
 def _tables_that_nothing_reads(axes: Axes) -> Iterator[Diagnostic]:
-    """Yield learners whose table is never looked up."""
+    """Yield learners with an unused table."""
     lookups = {
         line.source.name
         for line in axes.lines

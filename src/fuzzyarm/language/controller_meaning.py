@@ -245,7 +245,7 @@ class _Scope:
         return axes_read
 
     def _judge_axis(self, axes: Axes) -> None:
-        """Report sources that need a drive or a rate that the axis does not have."""
+        """Report sources that need a drive or a rate missing from the axis."""
         drives = axes.ports("drive")
         for line in axes.lines:
             source = line.source if isinstance(line, SignalLine) else None

@@ -54,7 +54,7 @@ class ControllerNames:
         self.numbers: Names = {}
         self.axes: Names = {}
         self.signals: Names = {}  # of the axes at hand
-        self.later: Names = {}  # signals that are made further below
+        self.later: Names = {}  # signals defined further below
         self.above: dict[str, Names] = {}  # signals of the axes above
         self.read: set[tuple[str, str]] = set()
         self.read_elsewhere: set[tuple[str, str]] = set()  # of axes and signals
@@ -70,7 +70,7 @@ class ControllerNames:
             names = self.numbers if isinstance(node, GainModel | Partner) else self.sheets
             for name in mentions(node) if isinstance(node, GainModel | Partner | Use) else ():
                 self._declare(name, names)
-        over: list[tuple[list[str], Names]] = []  # axes, and what nothing in them reads
+        over: list[tuple[list[str], Names]] = []  # axes with their unused names
         axes: list[str] = []
 
         def close() -> None:
@@ -83,7 +83,7 @@ class ControllerNames:
         for index, (node, _, in_hole) in enumerate(statements):
             if isinstance(node, Axes):
                 close()
-                # Lines above the first axis are reported as such: their names count as its own.
+                # Lines above the first axis are reported as such: their names belong to it.
                 self.signals = {} if axes else self.signals
                 self.later = _signals_behind(nodes[index + 1 :])
                 axes = list(node.names)
@@ -170,7 +170,7 @@ class ControllerNames:
             if word not in self.above[axis]:
                 what, known = f"signal of the axis '{axis}'", self.above[axis]
                 self.scope.unknown("unknown-signal", what, word, name.span, known)
-                self.complete = False  # the signal that was meant has a reader
+                self.complete = False  # the intended signal has a reader
         elif axis in self.axes:
             message = f"the axis '{axis}' is not above this line"
             hint = "a signal of the axis at hand is written without its axis"

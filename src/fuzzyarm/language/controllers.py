@@ -267,7 +267,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                         stop="tune",
                     ),
                     Phrase("unit", _read_unit, '"UNIT"', _unit_text, empty=""),
-                    # A mistake in the range of tuning leaves the gain as it is.
+                    # A mistake in the range of tuning leaves the gain intact.
                     Forgiving(Maybe(FixedText(","), Inside("tune", _TUNE)), finish=True),
                 ),
                 gap=" ",

@@ -50,7 +50,7 @@ class Draft:
         self.terms: dict[str, Term] = {}
         self.spread: set[str] = set()  # names of terms from a `terms` line
         self.outside = "clamp"
-        self.aggregation = ""  # that of the defuzzifier
+        self.aggregation = ""  # empty: that of the defuzzifier
         self.defuzzifier = Defuzzifier()
         self.no_rule: float | str = "error"
 
@@ -236,7 +236,7 @@ def _elaborate_lower(node: ShapeNode, upper: Shape, draft: Draft, scope: Scope) 
 
 
 def _no_interval(upper: Shape, lower: Shape, draft: Draft) -> str:
-    """Return why the interval between two shapes is empty; "" if it is not."""
+    """Return why the interval between two shapes is empty; "" for a valid one."""
     kinds = {upper.kind, lower.kind}
     if len(kinds) > 1 and kinds & {"singleton", "linear", "formula"}:
         return f"{upper.kind} over {lower.kind}: both must be sets, or values of one kind"
@@ -246,7 +246,7 @@ def _no_interval(upper: Shape, lower: Shape, draft: Draft) -> str:
 
 
 def _lower_above(upper: Shape, lower: Shape, low: float, high: float) -> str:
-    """Return where the lower of two shapes is above the upper one; empty where it is not."""
+    """Return where the lower of two shapes exceeds the upper one; empty if nowhere."""
     if upper.kind == "singleton":
         one, other = lower.parameters[0], upper.parameters[0]
         return f"the lower value {one:g} is above the upper one {other:g}" if one > other else ""

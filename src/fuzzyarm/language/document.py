@@ -184,7 +184,7 @@ def _group_lines(
         first = line.tokens[0]
         record = _record_of(line, heading, groups, in_axis=in_axis)
         if below_unknown and line.indented and (record is None or record.word in below_unknown):
-            continue  # of the statement that is not known, which is one finding
+            continue  # part of the unknown statement: one finding
         below_unknown = ()
         if record is not None:
             groups.append(_StatementTokens(record, line.tokens, tuple(waiting), line.comment))
@@ -249,7 +249,7 @@ def _name_above_axes(line: SourceLine, heading: str) -> list[_StatementTokens]:
 
 
 def _signal_hint(line: SourceLine, heading: str) -> str:
-    """Return where a definition above the axes of a controller belongs."""
+    """Return a hint: the right position of a definition above the axes of a controller."""
     name = line.tokens[0].text
     if heading != "controller" or [token.text for token in line.tokens[1:2]] != ["="]:
         return ""
@@ -263,7 +263,7 @@ def _starters(records: Iterable[str]) -> str:
 def _record_of(
     line: SourceLine, heading: str, groups: Sequence[_StatementTokens], *, in_axis: bool
 ) -> StatementKind | None:
-    """Return the statement that a line starts, None where it starts none."""
+    """Return the kind of statement that a line starts, or None."""
     first = line.tokens[0]
     record = statements_below(heading).get(first.text) if first.kind == "name" else None
     if in_axis and _is_signal(line, has_keyword=record is not None):
@@ -331,11 +331,11 @@ class ParseMemory:
             diagnostics += entry[2]
             self._lines.append(entry)
             if len(diagnostics) > MAX_DIAGNOSTICS:
-                break  # this is not a rule base; reading all of it would take forever
+                break  # not a rule base; reading all of it would take too long
         return self.lines
 
     def read(self, group: _StatementTokens) -> _Read:
-        """Return a statement; it is read where it is not as it was."""
+        """Return a statement; an unchanged one from memory."""
         line = group.tokens[0].line
         earlier = self._statements.get(line)
         if earlier is None or earlier[0].tokens != group.tokens or earlier[0].lines != group.lines:
@@ -348,12 +348,12 @@ class ParseMemory:
         self._statements, self._fresh = self._fresh, {}
 
     def enter_scope(self, scope: Hashable) -> None:
-        """Start to give rules their meaning under these variables and terms."""
+        """Set the variables and terms for the meaning of rules."""
         rules_before = self._fresh_rules if scope == self._scope else {}
         self._scope, self._rules, self._fresh_rules = scope, rules_before, {}
 
     def recall_rules(self, node: StatementNode) -> tuple[list[Rule], Found] | None:
-        """Return the rules of a statement that was met last time under the same scope."""
+        """Return the rules of a statement from memory, if the scope is the same."""
         earlier = self._rules.get(id(node))
         if earlier is None or earlier[0] is not node:
             return None
@@ -449,7 +449,7 @@ def _read_group(group: _StatementTokens) -> _Read:
             node = broken
     except Fault as fault:
         if len(HEDGES.words) > hedges:
-            return _read_group(group)  # another package has brought the hedge that was missing
+            return _read_group(group)  # another package has registered the missing hedge
         cursor.damage(fault)
         node = broken
     return _Read(node, () if is_reported else tuple(cursor.forgiven), tuple(cursor.mentioned))

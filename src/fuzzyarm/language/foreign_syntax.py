@@ -1,8 +1,8 @@
-"""Lines as a newcomer from MATLAB, FCL, FLL, Structured Text or Python types them.
+"""Lines in the style of MATLAB, FCL, FLL, Structured Text or Python, as typed by a newcomer.
 
-:data:`CORRECTIONS` rewrite a line with a fault. Where the result can be read, one finding shows it,
-and the file is read on as it was meant. :data:`EXAMPLES` are wrong lines that need more than
-themselves: a line on which the parser stops in the state of one of them gets its sentence.
+:data:`CORRECTIONS` rewrite a faulty line. If the result is readable, one finding shows it, and
+reading continues with it. :data:`EXAMPLES` are wrong lines without a correction: a line on which
+the parser stops in the state of an example gets its sentence.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fuzzyarm.language.tokens import Token, tokenize_line
 from fuzzyarm.symbolic.kinds import SHAPES
 from fuzzyarm.symbolic.sources import SOURCES
 
-# --- Lines that can be rewritten ---
+# --- Corrections ---
 
 _N = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _NAME = r"(?:'[^']*'|[^\W\d]\w*(?:-[^\W\d]\w*)*)"
@@ -38,7 +38,7 @@ class Correction(NamedTuple):
     """A mistake in a line of `statements`, or of any statement, and its correction.
 
     ``row`` and ``header`` are the lines of a grid, ``-`` is a line that starts like no statement.
-    Strings and comments stay as they are unless the `whole` line is to be matched.
+    Strings and comments are left out of the match unless it is of the `whole` line.
     """
 
     sentence: str
@@ -235,7 +235,7 @@ def _sentences() -> dict[State, tuple[str, str]]:
     return sentences
 
 
-# --- Reading as it was meant ---
+# --- Corrected reading ---
 
 _MOST, _ROUNDS, _LONGEST, _FARTHEST = 100, 3, 500, 400
 """Lines that are tried at a time, how often, their characters, and the lines above them."""
@@ -244,7 +244,7 @@ _MOST, _ROUNDS, _LONGEST, _FARTHEST = 100, 3, 500, 400
 def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
     """Return `document` with one finding for each line that can be corrected, and those lines.
 
-    The statements of the result are those that were meant.
+    The statements of the result are the corrected ones.
     """
     lines = split_lines(text)
     repaired, best = list(lines), document
@@ -268,7 +268,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
         best, diagnostics = again, diagnostics | more
     said = [_explained(finding, lines) for finding in best.diagnostics]
     ordered = sorted([*said, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
-    # A line that is like an example means something else: the parser misread its names.
+    # A line like an example means something else: the parser misread its names.
     misread = {new.line for new, old in zip(said, best.diagnostics, strict=True) if new is not old}
     statements = tuple(
         statement._replace(names=()) if statement.node.span.line in misread else statement
@@ -279,7 +279,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
 
 
 def _explained(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:
-    """Return a finding with the sentence of the example that it is like."""
+    """Return a finding with the sentence of the matching example."""
     mended = finding.replacement is not None and finding.name != "reserved-word"
     if mended or not 1 <= finding.line <= len(lines) or len(lines[finding.line - 1]) > _LONGEST:
         return finding
@@ -288,7 +288,7 @@ def _explained(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:
 
 
 def _finding(first: Diagnostic, before: str, after: str, words: str) -> Diagnostic:
-    """Return the finding about a line; its span and replacement cover only what differs."""
+    """Return the finding about a line; span and replacement cover only the difference."""
     start = _common(before, after)
     end = _common(before[start:][::-1], after[start:][::-1])
     span = Span(first.line, start + 1, first.line, len(before) - end + 1)
@@ -298,7 +298,7 @@ def _finding(first: Diagnostic, before: str, after: str, words: str) -> Diagnost
 
 
 def _common(one: str, other: str) -> int:
-    """Return how many characters two texts begin with alike."""
+    """Return the length of the common start of two texts."""
     pairs = enumerate(zip(one, other, strict=False))
     return next((k for k, (a, b) in pairs if a != b), min(len(one), len(other)))
 
@@ -307,7 +307,7 @@ _ENDING = re.compile(r"(?i)^\s*(?:end\w*|[{}]+)\s*[;.]?\s*$")
 
 
 def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
-    """Return a readable form of a line, and its mistake; None if there is none left to fix."""
+    """Return a readable form of a line, and its mistake; None if there is no fault to fix."""
     line = lines[number - 1]
     if len(line) > _LONGEST:
         return None
@@ -331,7 +331,7 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
 
 
 def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, list[str]]:
-    """Return the lines before that a line is read with, its statement, and those after."""
+    """Return the lines before a line, its statement, and the lines after."""
     line, above = lines[number - 1], lines[: number - 1][::-1]
     own = _word(line)
     heading = next((k for k, other in enumerate(above) if _word(other) in HEADINGS), None)

@@ -224,7 +224,7 @@ def _blocks(
 
 
 def _identity(scope: Scope) -> Hashable:
-    """Return everything that the meaning of a rule depends on besides its own words."""
+    """Return everything on which the meaning of a rule depends besides its own words."""
     drafts = scope.drafts.values()
     variables = tuple((d.name, d.is_input, d.node.name.span, *d.terms.values()) for d in drafts)
     return scope.broken_variables, variables

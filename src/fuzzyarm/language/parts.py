@@ -24,7 +24,7 @@ _NO_SPACE = {",": "before", ":": "before", ")": "before", "(": "both", ".": "bot
 
 
 class Printed:
-    """A line in the making: its columns, and where it may be broken."""
+    """A line under construction: its columns, and its possible breaks."""
 
     def __init__(self) -> None:
         self.columns = [""]
@@ -475,7 +475,7 @@ class Several(Part):
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""
         for item in getattr(node, self.part.field):
-            # A part reads its field from a node, so each item takes the place of the field.
+            # A part reads its field from a node, so each item replaces the field.
             yield from self.part.mentions(_Holder(node, self.part.field, item))
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -545,7 +545,7 @@ class _Together(Part):
 
 
 class Maybe(_Together):
-    """Optional parts that begin with a mark; `flag` notes whether they are there."""
+    """Optional parts that begin with a mark; `flag` records their presence."""
 
     def __init__(self, *parts: Part, flag: str = "", likely: bool = False) -> None:
         self.parts, self.flag, self.likely = parts, flag, likely
@@ -641,7 +641,7 @@ class OptionParts(Part):
 
 
 def _chosen(options: Sequence[Maybe], cursor: Cursor, where: str) -> Maybe:
-    """Take the word of an option; where it is that of several, go on to the one that is meant."""
+    """Take the word of an option; of several with that word, continue with the intended one."""
     by_word: dict[str, list[Maybe]] = {}
     for option in options:
         by_word.setdefault(option.first, []).append(option)
@@ -653,9 +653,9 @@ def _chosen(options: Sequence[Maybe], cursor: Cursor, where: str) -> Maybe:
 
 
 class Forgiving(_Together):
-    """Parts after the name that a statement declares; the name counts even if they are at fault.
+    """Parts after a declared name, which is declared even if they are faulty.
 
-    They are then as if they were not there; with `finish` the line ends with them.
+    Faulty parts count as missing; with `finish` the line ends with them.
     """
 
     def __init__(self, *parts: Part, finish: bool = False) -> None:

@@ -299,7 +299,7 @@ class LinearPart(NamedTuple):
         return cls(sign * figure, variable, start.to(variable.span))
 
     def text(self, factor: float) -> str:
-        """Return the summand with `factor` in place of its own."""
+        """Return the summand with another factor."""
         number = number_text(factor)
         return number if self.variable is None else f"{number}*{name_text(self.variable)}"
 
@@ -321,7 +321,7 @@ class ShapeNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> ShapeNode:
-        """Read a shape, and the one that it is over, up to the end of the line."""
+        """Read a shape, and its lower one after ``over``, up to the end of the line."""
         upper = cls._read_one(cursor)
         if cursor.accept("over"):
             return upper._replace(lower=cls._read_one(cursor))
@@ -434,7 +434,7 @@ def _formula_mentions(text: str, span: Span) -> Iterator[Occurrence]:
         formula = read_formula(text)
     except FormulaError:
         return
-    # Where the text has escapes, positions within it are not those of the file.
+    # In a text with escapes positions differ from those in the file.
     if span.end_column - span.column != len(text) + 2:
         return
     for name, position in formula.mentions:
@@ -466,7 +466,7 @@ class Setting(NamedTuple):
 
 # Evaluated at each use, not copied: other packages register norms later.
 class _Disjunctions(Collection[str]):
-    """The S-norms for ``or``: all but those for aggregation only."""
+    """The S-norms for ``or``: not those for aggregation only."""
 
     def __contains__(self, word: object) -> bool:
         return word in SNORMS and not SNORMS[str(word)].aggregates
@@ -549,7 +549,7 @@ class SettingNode(NamedTuple):
 
     @classmethod
     def read_all(cls, cursor: Cursor, of: str = "") -> tuple[SettingNode, ...]:
-        """Read one or more settings with commas between them; an editor offers those `of`."""
+        """Read one or more settings, separated by commas; an editor offers those `of` this kind."""
         settings = []
         more = True
         while more:

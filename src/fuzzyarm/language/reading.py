@@ -1,4 +1,4 @@
-"""Read a rule base from text, which never fails, or from a file, which may; format a text."""
+"""Read a rule base from text (never fails) or from a file (may fail); format a text."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
         sheet = partial if Heading in heads else None
         whole, more = elaborate_controller(repaired.statements, sheet)
         findings += [finding for finding in more if finding.line not in mended]
-    # The meaning of a text that was cut off is not judged.
+    # A truncated text has no meaning to judge.
     diagnostics = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
         diagnostics = list(map(_with_failure, diagnostics))
@@ -162,7 +162,7 @@ emptied_with_kinds(_parsed.cache_clear)
 
 
 def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
-    """Mention in a finding on an unknown kind that a package with kinds failed to load."""
+    """Add to a finding on an unknown kind that a package with kinds failed to load."""
     unknown = diagnostic.name in ("unknown-shape", "unknown-choice", "unknown-hedge")
     if not unknown or diagnostic.replacement is not None:
         return diagnostic
@@ -195,7 +195,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
     """
     note_source(path)
     with open(path, "rb") as file:
-        # UTF-8 has at most four bytes for a character; one byte more shows that it is too large.
+        # UTF-8 has at most four bytes for a character; one byte more shows a file that is too
+        # large.
         return decoded(file.read(4 * MAX_CHARACTERS + 1), os.fspath(path))
 
 
@@ -224,8 +225,8 @@ def decoded(data: bytes, name: str) -> str:
 
 
 def text_to_show(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file for showing findings in it; empty where it is not a text."""
-    # Line ends as they are, so that lines count as those of the findings.
+    """Return the text of a file for display with findings; empty if unreadable."""
+    # Line ends unchanged, so that lines are counted as in the findings.
     with open(path, "rb") as file:
         data = file.read()
     try:
@@ -252,7 +253,7 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
 
 
 def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
-    """Return the findings of a text without a rule base; of a controller, that it is one."""
+    """Return the findings of a text without a rule base; for a controller, its kind."""
     diagnostics = list(parsed.diagnostics)
     if parsed.controller is not None:
         span = parsed.document.statements[0].node.span

@@ -120,7 +120,7 @@ class StatementRow:
         ROWS[node] = self
 
     def read(self, cursor: Cursor) -> Any:
-        """Read the node; a :class:`~fuzzyarm.language.tokens.Fault` where it cannot be read."""
+        """Read the node; a :class:`~fuzzyarm.language.tokens.Fault` if unreadable."""
         values: Values = {}
         read_parts(self.parts, cursor, values)
         if self._spans:
@@ -274,7 +274,7 @@ def text_of(node: Any) -> str:
 
 def sentence(node: Any) -> str:
     """Return the part after the first word of a node, on one line."""
-    # A long rule continues below, and a grid has its lines there.
+    # A long rule is broken; a grid has its rows.
     lines = text_of(node).split("\n")
     return " ".join(line.strip() for line in lines).split(" ", 1)[1]
 
@@ -291,6 +291,6 @@ def lines_below(node: Any) -> list[tuple[str, Trivia]] | None:
 
 
 def mentions(node: Any) -> Iterator[Occurrence]:
-    """Yield every name in a statement; of one that could not be read, none."""
+    """Yield every name in a statement; none of an unreadable one."""
     row = ROWS.get(type(node))
     return iter(()) if row is None else row.mentions(node)

@@ -144,7 +144,7 @@ def _row_rules(
     scope: Scope,
 ) -> list[Rule]:
     rules = []
-    # One flat `and`, as the same rule has it where it is written as a sentence.
+    # One flat `and`, as in the same rule written as a sentence.
     extra = condition.operands if isinstance(condition, And) else (condition,)
     rest = tuple(operand for operand in extra if operand is not None)
     # Not strict: the parser has reported rows of another length.

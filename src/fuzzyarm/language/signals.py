@@ -1,8 +1,8 @@
-"""The parts that the lines of a controller are made of: times, numbers, sources, sums, options.
+"""The parts of a controller's lines: times, numbers, sources, sums, options.
 
-Their nodes are the records of :mod:`fuzzyarm.language.model.controller`; here is how each is read
-from a cursor, how it is written, and which names it mentions. The sources of signals with their
-options are the table :data:`fuzzyarm.language.model.controller.SOURCES`.
+Their nodes are the records of :mod:`fuzzyarm.language.model.controller`; here are their reading
+from a cursor, their text and the names in them. The sources of signals with their options are the
+table :data:`fuzzyarm.language.model.controller.SOURCES`.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def read_time(cursor: Cursor, what: str, turns: float | None = None) -> Time:
     """Read a number and a unit.
 
     `turns` is the product of a frequency and the corresponding time: 1 for a period, 1/(2 pi) for
-    the time constant of a cut-off, None if neither is meant.
+    the time constant of a cut-off, None for neither.
     """
     figure = cursor.figure(what)
     cursor.suggest("times")
@@ -160,7 +160,7 @@ def signal_text(name: str) -> str:
 def _read_factor(cursor: Cursor, divides: bool = False) -> Factor:
     """Read a number, or the name of a signal, a gain or a partner."""
     cursor.suggest("signals")
-    # A sign belongs to the sum, which turns `a - -1` down.
+    # A sign belongs to the sum, which rejects `a - -1`.
     if cursor.at_figure and not cursor.next_is("-") and not cursor.next_is("+"):
         return Factor(cursor.figure("a number"), divides)
     # `partner * k` is a product with a signal of that name.
@@ -384,7 +384,7 @@ SIGNS = ("<", "<=", ">", ">=")
 
 
 def condition_text(condition: Condition) -> str:
-    """Return a condition as it is written."""
+    """Return the text of a condition."""
     if condition.word in SIGNS:
         first, second = (number_or_name(part) for part in condition.operands())
         return f"{first} {condition.word} {second}"

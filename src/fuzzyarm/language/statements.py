@@ -121,7 +121,7 @@ class EvenTermsNode(NamedTuple):
 
 
 class TermNode(NamedTuple):
-    """``term VARIABLE NAME: SHAPE``; no shape where it could not be read."""
+    """``term VARIABLE NAME: SHAPE``; without a shape if unreadable."""
 
     variable: Word
     name: Word
@@ -175,7 +175,7 @@ class LookupItem(NamedTuple):
 
 
 class LookupNode(NamedTuple):
-    """The ``lookup`` block; `unread` where a line of it could not be read."""
+    """The ``lookup`` block; `unread` if a line of it is unreadable."""
 
     items: tuple[LookupItem, ...]
     unread: bool = False
@@ -357,7 +357,7 @@ class ProveNode(NamedTuple):
 
 
 class Broken(NamedTuple):
-    """A statement that could not be read; `keyword` is its first word, if that was one."""
+    """An unreadable statement; `keyword` is its first word, if known."""
 
     keyword: str
     span: Span = NOWHERE

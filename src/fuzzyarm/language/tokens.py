@@ -105,7 +105,7 @@ def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Sour
                 Token(kind, _unescape(match.group()[1:-1], span, diagnostics), number, column, end)
             )
         elif kind == "bad" or not stray:
-            stray |= kind == "stray"  # one finding for a line full of them
+            stray |= kind == "stray"  # one finding for the whole line
             diagnostics.append(_lexical_fault(kind, match.group(), number, column, end))
             if kind == "bad":
                 tokens.append(Token("bad", match.group(), number, column, end))
@@ -173,7 +173,7 @@ def is_reserved(word: str) -> bool:
 
 
 def name_text(name: str) -> str:
-    """Return a name as written in a file, in single quotes where it must."""
+    """Return a name as written in a file, in single quotes if necessary."""
     plain = is_plain_name(name) and name not in STARTERS and not is_reserved(name)
     return name if plain else quote(name, "'")
 
@@ -195,7 +195,7 @@ class BlockLine(NamedTuple):
     trivia: Trivia
 
 
-# --- A cursor in the tokens of one statement, and the faults found there ---
+# --- A cursor in the tokens of one statement, and its faults ---
 
 
 class Fault(Exception):  # noqa: N818 - it never leaves the parser
@@ -207,20 +207,20 @@ class Fault(Exception):  # noqa: N818 - it never leaves the parser
 
 
 class Cursor:
-    """The tokens of a statement, at least one, and how far they have been read.
+    """The tokens of a statement, at least one, and the progress of reading.
 
     Attributes
     ----------
     lines : sequence of BlockLine
         The lines below the statement.
     recovers : bool
-        Whether reading goes on after a mistake, for the mistakes behind it.
+        Whether reading continues after a mistake, to find further ones.
     forgiven : list of Diagnostic
-        Mistakes that did not keep it from being read.
+        Mistakes that did not end reading.
     is_damaged : bool
         Whether one of them left a hole: the tokens after it are read for further mistakes only.
     mentioned : list
-        Occurrences of names in what was read of a damaged statement.
+        Occurrences of names in the readable part of a damaged statement.
     """
 
     def __init__(
@@ -237,7 +237,7 @@ class Cursor:
         self.forgiven: list[Diagnostic] = []
         self.is_damaged = False
         self.mentioned: list[Any] = []
-        self._hole = -2  # index of the last token that was a mistake
+        self._hole = -2  # index of the last faulty token
 
     @property
     def at_end(self) -> bool:
@@ -279,13 +279,13 @@ class Cursor:
         return self.take() if self.next_is(text) else None
 
     def expect(self, text: str, where: str) -> Token:
-        """Take the word or mark `text`; else a fault that it is missing `where`."""
+        """Take the word or mark `text`; else raise a fault that it is missing `where`."""
         if not self.next_is(text):
             self._fail_or_mend(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
 
     def _fail_or_mend(self, expected: str, choices: Collection[str], name: str = "") -> str:
-        """Note a misspelt word, and return the one of `choices` that was meant; else a fault."""
+        """Note a misspelt word, and return the intended one of `choices`; else raise a fault."""
         try:
             self.fail(expected, choices, name)
         except Fault as fault:
@@ -303,7 +303,7 @@ class Cursor:
 
     @contextmanager
     def up_to(self, mark: str) -> Iterator[None]:
-        """Read a part of a list; after a fault in it, reading goes on with the next `mark`."""
+        """Read a part of a list; after a fault in it, continue with the next `mark`."""
         try:
             yield
         except Fault as fault:
@@ -397,7 +397,7 @@ class Cursor:
         return Word(text, self.take().span)
 
     def string(self) -> Word | None:
-        """Take a string in double quotes if there is one."""
+        """Take a string in double quotes, or return None."""
         token = self.peek()
         if token is None or token.kind != "string":
             return None
@@ -435,7 +435,7 @@ class Cursor:
         return Figure(value, span)
 
     def _hole_for(self, what: str) -> Figure:
-        """Record a word in place of a number, and skip it; an error if there is none."""
+        """Record a word in place of a number, and skip it; an error without one."""
         token = self.peek()
         try:
             self.fail(what)

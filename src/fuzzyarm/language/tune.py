@@ -96,7 +96,7 @@ class _PeakOptions(Part):
 
 
 def _peak_word(cursor: Cursor) -> str | None:
-    """Take the first word of an option, if the line goes on."""
+    """Take the first word of an option, if the line continues."""
     for word in _CHOICES:
         if cursor.accept(word):
             return word
@@ -129,7 +129,7 @@ class _Scale(Part):
 
 
 class _Kept(Part):
-    """A variable, and those of its terms that stay where they are; none for all."""
+    """A variable with fixed terms; none for all."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         variable = cursor.variable("the name of a variable")
@@ -178,7 +178,7 @@ TUNE_ROW = StatementRow(
 
 
 class TuneNode(NamedTuple):
-    """The ``tune`` block; `unread` where a line of it could not be read."""
+    """The ``tune`` block; `unread` if a line of it is unreadable."""
 
     items: tuple[TuneItem, ...]
     unread: bool = False

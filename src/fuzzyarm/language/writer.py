@@ -82,7 +82,7 @@ class _TermOrder(dict[tuple[str, str], int]):
         self._rulebase = rulebase
 
     def __missing__(self, names: tuple[str, str]) -> int:
-        """Raise an error for a name that a model built in Python does not have."""
+        """Raise an error for a name missing from a model built in Python."""
         variable, term = names
         self._rulebase.variable(variable).term(term)
         raise AssertionError(names)
@@ -456,7 +456,7 @@ def tuning_node(tuning: Tuning) -> TuneNode:
             "partition": peaks.partition,
         }
         words = tuple(word for word, holds in options.items() if holds)
-        # 100 times a share may end in a digit that the share does not have.
+        # 100 times a share may have a digit that the share lacks.
         gap = Figure(float(f"{100.0 * peaks.gap:.12g}"))
         items.append(TuneItem(Word("peaks"), tuple(map(Word, peaks.variables)), words, gap=gap))
     for gain in tuning.gains:

@@ -38,7 +38,7 @@ from fuzzyarm.language.model.shapes import apply_hedges, corners, truth
 from fuzzyarm.language.rules import GridNode
 from fuzzyarm.symbolic.kinds import TNORMS
 
-# --- Stretches of an input's range that no term covers ---
+# --- Stretches of an input's range without a term ---
 
 
 def coverage_gaps(subject: Subject) -> Iterator[Diagnostic]:
@@ -125,7 +125,7 @@ def _grid(grid: GridNode, subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
-    """Report combinations of terms that no rule of plain propositions covers."""
+    """Report combinations of terms without a rule of plain propositions."""
     rules = [rule for _, rule in subject.rules_for(output)]
     plain = [plain_propositions(rule) for rule in rules]
     if not rules or not all(plain):
@@ -178,7 +178,7 @@ def _undecided(what: str, output: Output) -> Diagnostic:
     )
 
 
-# --- Inputs for which no rule fires, with one such input as evidence ---
+# --- Inputs without a firing rule, with one such input as evidence ---
 
 
 def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
@@ -197,14 +197,14 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
             "no-rule-fires",
             f"no rule for '{output.name}' fires at {point}",
             output.span,
-            # A file that states the value there shows that the author has thought of it.
+            # A stated value for this case shows that the author has thought of it.
             severity=Severity.INFO if has_answer else Severity.WARNING,
             hint="" if has_answer else "add a rule, or define the value there: inference no-rule …",
         )
 
 
 def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
-    """Return a point of the inputs at which no rule for `output` fires; None if there is none.
+    """Return a point of the inputs at which no rule for `output` fires; None without one.
 
     The corners of the terms and the midpoints between them represent the intervals of an input.
     """
@@ -280,7 +280,7 @@ def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ..
 def _holding(
     probes: list[VariableStretch], literals: set[Literal], by_degree: bool
 ) -> list[VariableStretch]:
-    """Return the cells with those of the `literals` literals that hold, hedges included."""
+    """Return the cells with those of the `literals` that hold, hedges included."""
     hedged = [literal for literal in literals if literal[1]]
     cells = []
     for x, terms in probes:

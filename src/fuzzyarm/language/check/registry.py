@@ -38,7 +38,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 
 
 class Check(NamedTuple):
-    """A record: one thing that can be found.
+    """A check: one possible finding.
 
     Attributes
     ----------
@@ -342,9 +342,9 @@ def check(
     path : str
         Name of the file, for the diagnostics.
     more : iterable of Diagnostic
-        Findings of other floors (failed expectations) to be sorted in and silenced alike.
+        Findings of other packages (failed expectations), sorted in and silenced alike.
     on_step : callable
-        Called from time to time; an exception ends the check.
+        Called repeatedly; an exception ends the check.
 
     Returns
     -------

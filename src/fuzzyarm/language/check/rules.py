@@ -63,7 +63,7 @@ def _words(rule: Rule) -> str:
 
 
 def _key(expression: Expression) -> Hashable:
-    """Return a key that is equal for antecedents with the same operands in any order."""
+    """Return a key, equal for antecedents with the same operands in any order."""
     if isinstance(expression, Is):
         return (expression.variable, expression.term, expression.hedges)
     if isinstance(expression, Hedged):
@@ -100,7 +100,7 @@ class _Family(NamedTuple):
 
 
 class _Break(NamedTuple):
-    """A way to mirror a family that most of its pairs follow, and those that do not."""
+    """A mirror symmetry of most pairs of a family, and its violations."""
 
     share: float
     name: str
@@ -108,9 +108,9 @@ class _Break(NamedTuple):
 
 
 def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit.
+    """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each violating pair.
 
-    A monotone grid is nearly antisymmetric by that alone. Antisymmetry is intended if its inputs
+    Any monotone grid is nearly antisymmetric. Antisymmetry is intended if its inputs
     have terms of opposite sign; a fan that speeds up with temperature and humidity has no such
     symmetry.
     """

@@ -1,10 +1,9 @@
-"""The search for a point that no rule covers, among a few cells of each variable.
+"""The search for a point without a firing rule, among a few cells of each variable.
 
-A rule needs literals of some variables to hold; a cell of a variable is a set of literals that
-hold together. To find cells, one for each variable, that leave every rule without something
-it needs is satisfiability: hard in the worst case, but linear in the rules where they are a full
-table, and a matter of a few steps where they are not. So the search counts its steps, and gives
-up after a budget in proportion to the rules.
+A rule needs literals of some variables to hold; a cell of a variable is a set of literals that hold
+together. To find cells, one for each variable, that violate every rule is satisfiability: hard in
+the worst case, but linear in the rules of a full table, and a few steps otherwise. So the search
+counts its steps, and gives up after a budget in proportion to the rules.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ class GaveUpError(Exception):
 
 
 class GapSearch:
-    """All the ways to leave every rule without something that it needs.
+    """All combinations of cells that violate every rule.
 
     Parameters
     ----------
@@ -71,7 +70,7 @@ class GapSearch:
     cells : mapping of str to sequence of VariableStretch
         The cells of each variable that the rules name.
     on_step : callable
-        Called from time to time; an exception ends the search.
+        Called repeatedly; an exception ends the search.
 
     Attributes
     ----------
@@ -141,7 +140,7 @@ class GapSearch:
 
 
 def distinct(cells: Sequence[VariableStretch]) -> list[VariableStretch]:
-    """Return the first of the cells that have the same degrees."""
+    """Return the first of the cells with the same degrees."""
     return list({frozenset(cell.degrees.items()): cell for cell in reversed(cells)}.values())[::-1]
 
 

@@ -114,7 +114,7 @@ class Subject:
         return probes[len(probes) // 2].x
 
     def support(self, variable: Input, term: str) -> tuple[float, float]:
-        """Return the ends of the stretch of `variable` in which `term` holds, to a corner."""
+        """Return the ends of the stretch of `variable` where `term` holds, to a corner."""
         if (variable.name, term) not in self._supports:
             probes = self.probes(variable)
             holds = [i for i, cell in enumerate(probes) if (term, ()) in cell.degrees] or [0]
@@ -140,7 +140,7 @@ class Subject:
 
 
 def probe(variable: Input) -> list[VariableStretch]:
-    """Return the corners of the terms and the middles between, with the terms that hold there.
+    """Return the corners of the terms and the midpoints between, with the terms that hold there.
 
     Between two corners no bounded term starts or ends, so the midpoint represents the interval.
     """

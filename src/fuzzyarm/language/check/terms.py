@@ -1,4 +1,4 @@
-"""Checks of terms and variables: unused names, cores out of range, defuzzifiers that do not fit.
+"""Checks of terms and variables: unused names, cores out of range, unsuitable defuzzifiers.
 
 Each check is a function from a subject to its findings; :mod:`.registry` runs them all.
 """
@@ -33,7 +33,7 @@ from fuzzyarm.language.statements import EvenTermsNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.symbolic.kinds import SHAPES
 
-# --- Outputs whose defuzzifier does not suit their terms ---
+# --- Outputs with a defuzzifier unsuitable for their terms ---
 
 
 def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
@@ -96,7 +96,7 @@ def _type_2(output: Output, subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
-    """Report formulas in x, which are sets, where they cannot be."""
+    """Report formulas in x, which are sets, in the wrong position."""
     for term in output.terms:
         names = _names_in(term)
         if POSITION not in names:
@@ -124,7 +124,7 @@ def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
 
 
 def _names_in(term: Term) -> set[str]:
-    """Return the names in a formula; none for another shape, and for one that cannot be read."""
+    """Return the names in a formula; none for another shape or an unreadable one."""
     if term.shape.kind != "formula":
         return set()
     from fuzzyarm.symbolic.formulas import FormulaError, read_formula
@@ -237,7 +237,7 @@ def cores_outside(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _core_within(term: Term, variable: Variable) -> bool:
-    """Whether `term` is as full within the range as anywhere; half, where it only tends to be."""
+    """Whether `term` reaches its greatest degree in the range; half, if it only approaches it."""
     low, high = variable.low, variable.high
     kind, degree = SHAPES[term.shape.kind], membership_function(term.shape)
     positions = {x for x in (*corner_points(term.shape), low, high) if math.isfinite(x)}
@@ -329,7 +329,7 @@ def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
 
 
 def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``crossed-terms`` for a term that lies elsewhere than in its place in the list."""
+    """Yield ``crossed-terms`` for a term whose position contradicts its rank in the list."""
     for variable in subject.families:
         neighbourhood = crossing(variable)
         if neighbourhood is None:
@@ -440,7 +440,7 @@ def _centre_of_area(term: Term, output: Output) -> float:
     return sum(x * y for x, y in zip(points, degrees, strict=True)) / area
 
 
-# --- Terms and variables that no rule uses ---
+# --- Unused terms and variables ---
 
 
 def unused_names(subject: Subject) -> Iterator[Diagnostic]:
@@ -480,7 +480,7 @@ def _used_terms(rulebase: RuleBase) -> dict[str, set[str]]:
 
 
 def _used_in_values(rulebase: RuleBase) -> set[str]:
-    """Return the inputs that a linear consequent or a formula refers to."""
+    """Return the inputs in linear consequents and formulas."""
     names: set[str] = set()
     for output in rulebase.outputs:
         for term in output.terms:

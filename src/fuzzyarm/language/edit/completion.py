@@ -53,11 +53,11 @@ class Completion:
     insert : str
         The text to put there.
     detail : str
-        A few words beside the label.
+        A short description beside the label.
     snippet : str
         The same text with placeholders, as ``${1:left}``; empty without any.
     span : Span or None
-        The text that has been typed already and is replaced; set by `complete`.
+        The typed text to replace; set by `complete`.
     """
 
     label: str

@@ -1,4 +1,4 @@
-"""Repairs that a diagnostic is certain of."""
+"""Certain repairs of diagnostics."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzyarm.language.tokens import name_text
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """Text to be put in place of a span."""
+    """A replacement text for a span."""
 
     span: Span
     text: str
@@ -29,7 +29,7 @@ class Fix:
     edits : tuple of Edit
         None of them overlap.
     preferred : bool
-        Whether it repairs the fault rather than silencing the finding.
+        Whether it repairs the fault instead of silencing the finding.
     """
 
     title: str

@@ -242,7 +242,7 @@ def _cells(grid: GridNode, row: int) -> list[Span]:
 def _placed(
     reading: Reading, variable: str, labels: Sequence[str], term: str, shape: Shape | None
 ) -> tuple[list[Edit], int]:
-    """Return the edits that declare a new term, and its place among the heads of a grid."""
+    """Return the edits that declare a new term, and its index among the heads of a grid."""
     record = reading.variable(variable)
     if record is None:
         raise ReshapeError(f"the text declares no variable '{variable}'")

@@ -60,7 +60,7 @@ def _highest(shape: Shape, x: float, step: float) -> float:
 
 
 def _shown_range(variable: Variable) -> tuple[float, float]:
-    """Return the range of `variable`; where it is unbounded, the stretch its terms mark."""
+    """Return the range of `variable`; of an unbounded one the stretch of its terms."""
     xs = [x for term in variable.terms for x in corner_points(term.shape)]
     ends = [x for x in (variable.low, variable.high) if math.isfinite(x)]
     positions = [*xs, *ends] or [0.0]

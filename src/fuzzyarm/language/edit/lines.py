@@ -27,7 +27,7 @@ INCOMPLETE = frozenset({"no-rules", "no-inputs", "no-outputs"})
 
 
 class ReshapeError(FuzzyarmError, ValueError):
-    """A change that has no single place in the text."""
+    """A change without a unique position in the text."""
 
 
 def nodes_of(reading: Reading) -> Iterator[StatementNode]:
@@ -135,7 +135,7 @@ def _blanks(
     rows = [_columns_of(reading.raw_line(line), count) for line in lines]
     if not all(rows):
         return  # a line has not as many words as the grid has columns
-    places = [row[0][0] for row in rows]  # where the word before begins, after the edits
+    places = [row[0][0] for row in rows]  # start of the word before, after the edits
     for column in range(1, count + 1):
         ends = [row[column - 1][1] for row in rows]
         starts = [row[column][0] for row in rows]
@@ -169,7 +169,7 @@ def _uncommented(text: str) -> str:
 
 
 def _width(line: int, word: tuple[int, int], edits: Sequence[Edit]) -> int:
-    """Return how long a word is after the edits within it."""
+    """Return the length of a word after the edits within it."""
     start, end = word
     within = [
         edit
@@ -181,9 +181,9 @@ def _width(line: int, word: tuple[int, int], edits: Sequence[Edit]) -> int:
 
 
 def demand_sound(reading: Reading, edits: Sequence[Edit], what: str = "") -> list[Edit]:
-    """Return the edits where the text has no mistake with them that it does not have now.
+    """Return the edits unless they add a mistake to the text.
 
-    That something is not there yet, or not any more, is none.
+    A definition missing only until or since an edit is not a mistake.
     """
     before = [_said(diagnostic) for diagnostic in reading.parsed.diagnostics if diagnostic.is_error]
     for diagnostic in read(apply_edits(reading.text, edits), reading.path).parsed.diagnostics:

@@ -107,7 +107,7 @@ def _of_word(word: str, *, first: bool) -> str | None:
     return None
 
 
-# --- Stretches of a text that can be folded away ---
+# --- Foldable stretches of a text ---
 
 
 @dataclass(frozen=True, slots=True)

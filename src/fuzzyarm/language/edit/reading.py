@@ -126,7 +126,7 @@ class Reading:
         return self.lines[line - 1].tokens if 1 <= line <= len(self.lines) else ()
 
     def token_at(self, line: int, column: int) -> Token | None:
-        """Return the token that a cursor touches, the one after it before the one in front."""
+        """Return the token at a cursor: of two adjacent ones the right one."""
         touched = [t for t in self.tokens_of(line) if t.column <= column <= t.end]
         return touched[-1] if touched else None
 
@@ -152,7 +152,7 @@ class Reading:
         return spans
 
     def statement_at(self, line: int) -> tuple[StatementNode, int, int] | None:
-        """Return the statement that has tokens on `line` or around it."""
+        """Return the statement on or around `line`."""
         for extent in self.extents:
             if extent[1] <= line <= extent[2]:
                 return extent

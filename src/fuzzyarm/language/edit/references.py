@@ -9,11 +9,11 @@ from fuzzyarm.language.edit.reading import Reading, contains
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.tokens import name_text
 
-# --- Where a name is declared and where it is used ---
+# --- Declarations and uses of a name ---
 
 
 def occurrence_at(reading: Reading, line: int, column: int) -> Occurrence | None:
-    """Return the name that a cursor touches, or None."""
+    """Return the name at a cursor, or None."""
     touched = [o for o in reading.occurrences if contains(o.span, line, column)]
     return touched[-1] if touched else None
 

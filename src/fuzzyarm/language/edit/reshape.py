@@ -156,7 +156,7 @@ def _terms(reading: Reading, variable: str) -> Iterator[TermNode]:
 
 
 def _own_line(reading: Reading, variable: str, term: str) -> Span | None:
-    """Return the span of the shape in the line of a term; None where it has no line."""
+    """Return the span of the shape in a term's own line; None without one."""
     for node in _terms(reading, variable):
         if node.name == term and node.shape is not None:
             return node.shape.kind.span.to(node.span)

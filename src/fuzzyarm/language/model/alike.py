@@ -1,4 +1,4 @@
-"""A shape of another kind instead of one: the same middle, and one half at the same points.
+"""Conversion of a shape to another kind: the same middle, and one half at the same points.
 
 A shape of any kind is measured: its maximum, the points where its flanks cross one half, and their
 slopes there. Each kind gets its parameters from these. Features that a kind lacks are lost: a
@@ -60,7 +60,7 @@ class _Profile(NamedTuple):
 
 
 def alike(shape: Shape, kind: str, low: float, high: float, width: float) -> Shape:
-    """Return a shape of another kind with the place and the width of one.
+    """Return a shape of another kind with the same position and width.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def alike(shape: Shape, kind: str, low: float, high: float, width: float) -> Sha
     low, high : float
         The range of its variable.
     width : float
-        Between the points of one half, where `shape` is a singleton.
+        Distance of the points of one half, for a singleton.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _measured(shape: Shape, low: float, high: float, width: float) -> _Profile:
 def _flank(
     degree: Callable[[float], float], outward: list[float], top: float
 ) -> tuple[float, float] | None:
-    """Return where a flank crosses one half, and where it would reach the top; None without one."""
+    """Return where a flank crosses one half and its tangent the top; None without a flank."""
     crossings = []
     for level in (0.75 * top, 0.5 * top):
         below = next((i for i, x in enumerate(outward) if degree(x) < level), None)

@@ -98,10 +98,9 @@ class Unlike(NamedTuple):
 
 
 def partition_faults(variable: Variable) -> list[Unlike] | None:
-    """Return between which neighbours memberships do not add up to 1, one finding for each pair.
+    """Return the pairs of neighbours whose memberships do not add up to 1.
 
-    None where a partition is not to be expected: terms that are values, curved or lowered, or fewer
-    than two.
+    None where no partition is expected: values, curved or lowered terms, fewer than two terms.
     """
     cores_of_terms = cores(variable)
     straight = all(

@@ -43,7 +43,7 @@ class LoopClaim:
     plant : str
         A shipped plant, or a user's in the notation of commands.
     stable : bool
-        That the loop converges to rest from every start.
+        Whether the loop is claimed to converge to rest from every start.
     at : tuple of (str, float)
         Constant set points, by port; 0 for others.
     parameters, start : tuple of Stretch
@@ -59,7 +59,7 @@ class LoopClaim:
     low, high : float
         The bounds of the output.
     begin, end : float
-        When it does, s; infinite for ever.
+        Start and end of the bounds, s; infinite for ever.
     """
 
     plant: str
@@ -79,12 +79,12 @@ class LoopClaim:
 
     @property
     def subject(self) -> str:
-        """What is claimed to stay between `low` and `high`."""
+        """The quantity claimed to stay between `low` and `high`."""
         return f"error of {self.output}" if self.error else self.output
 
 
 def reference_fault(claim: LoopClaim) -> tuple[str, str]:
-    """Return why a claim's references make no sense, and a hint; empty texts: they do."""
+    """Return the contradiction in a claim's references, and a hint; empty texts for none."""
     if not claim.follows:
         return "", ""
     ports = [*(name for name, _ in claim.at), *(each.port for each in claim.follows)]

@@ -5,8 +5,8 @@ axes, in the order of the text. The possible sources of a signal are the table :
 (:mod:`fuzzyarm.symbolic.sources`); the reader, the checks, the kernel and the exported program
 know no other.
 
-The records are the nodes of the syntax tree as well: names and numbers of a text carry their place
-(:mod:`fuzzyarm.base.diagnostic`), which equality ignores.
+The records are the nodes of the syntax tree as well: names and numbers of a text carry their
+position (:mod:`fuzzyarm.base.diagnostic`), which equality ignores.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Time(float):
     unit: str
 
     def __new__(cls, figure: Figure, unit: str) -> Time:
-        """Return the time that a number of a unit is."""
+        """Return the time of a number with a unit."""
         number, of_a_second = TIMES[unit]
         time = super().__new__(cls, float(figure) * number / of_a_second)
         time.figure, time.unit = figure, unit
@@ -72,7 +72,7 @@ class Amount:
         return cls(((float(number), False),))
 
     def value(self, pi: float) -> float:
-        """Return the number, with the π that a run counts with."""
+        """Return the number, with the value of π in a run."""
         (first, _), *rest = self.factors
         value = pi if first is None else first
         for number, divides in rest:
@@ -82,7 +82,7 @@ class Amount:
 
 
 class Tune(NamedTuple):
-    """The range in which a gain may move when it is tuned, and whether its scale is logarithmic."""
+    """The range of a gain in tuning, and whether its scale is logarithmic."""
 
     low: float
     high: float
@@ -136,11 +136,11 @@ class Partner:
     Attributes
     ----------
     name : str
-        In the lines of the controller.
+        Its name in the lines of the controller.
     law : str
-        In the catalogue.
+        Its name in the catalogue.
     gains : tuple of (str, float)
-        Those that are set.
+        The gains with a value of their own.
     """
 
     name: str
@@ -183,7 +183,7 @@ class Factor(NamedTuple):
 
 
 class Product(NamedTuple):
-    """Factors from left to right; subtracted where it is negative."""
+    """Factors from left to right; subtracted if `negative`."""
 
     factors: tuple[Factor, ...]
     negative: bool = False
@@ -232,7 +232,7 @@ class Source:
                 yield value
 
     def others(self) -> Iterator[str]:
-        """Yield the signals and gains that its options read, with those of a condition."""
+        """Yield the signals and gains in its options, conditions included."""
         for _, value in self.options:
             if isinstance(value, Chosen):
                 yield from value.names()
@@ -301,7 +301,7 @@ class Learn:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def reads(self) -> Iterator[str]:
-        """Yield the signals that the performance table reads."""
+        """Yield the signals read by the performance table."""
         yield from self.inputs
 
     @property
@@ -353,12 +353,12 @@ class Drive:
 
     @property
     def events(self) -> Iterator[tuple[str, float | str]]:
-        """The events of which it says what it sends, each with a number or `HOLD`."""
+        """The events with a command, each with its number or `HOLD`."""
         sent = ((event, getattr(self, f"on_{event}")) for event in EVENTS)
         return ((event, value) for event, value in sent if value is not None)
 
     def reads(self) -> Iterator[str]:
-        """Yield the signals, gains and partners that it is made of."""
+        """Yield the signals, gains and partners in it."""
         yield from _names_in(self.products)
 
     @property
@@ -373,7 +373,7 @@ Line = SignalLine | Zoom | Learn | Drive
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """``axis A, B``: the lines that are evaluated for each of them, in order.
+    """``axis A, B``: lines evaluated for each axis, in order.
 
     Parameters
     ----------
@@ -382,7 +382,7 @@ class Axes:
     lines : tuple of SignalLine, Zoom, Learn or Drive
         In the order of the text.
     every : int
-        The control periods from one run of the lines to the next; the first period is one.
+        Control periods between two runs of the lines, from the first period on.
     """
 
     names: tuple[str, ...]
@@ -391,12 +391,12 @@ class Axes:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def remembered_drives(self) -> tuple[str, ...]:
-        """Return the drives whose last value is read, or held between two runs."""
+        """Return the drives with a stored value: read later, or held between two runs."""
         read = self.ports("drive" if self.every > 1 else "driven")
         return tuple(port for port in self.ports("drive") if port in read)
 
     def ports(self, kind: str) -> tuple[str, ...]:
-        """Return the ports of a kind that the lines name, in order.
+        """Return the ports of a kind in the lines, in order.
 
         Parameters
         ----------
@@ -432,14 +432,14 @@ class Axes:
         name : str
             Name of a signal with a source.
         drive : Drive
-            One that depends on it, before its limits.
+            A drive that depends on it, before its limits.
         constants : collection of str
             The gains, known in advance.
 
         Returns
         -------
         tuple of Product or None
-            Their sum is the gain; None where it is not constant.
+            Their sum is the gain; None if it varies.
         """
         definition = next(
             (x for x in self.lines if isinstance(x, SignalLine) and name in x.names), None
@@ -455,7 +455,7 @@ class Axes:
                 through = None if line.source is not None else line.products
                 gains |= dict.fromkeys(line.names, _gain_through(through, gains, constants))
             elif isinstance(line, Zoom):
-                # A zoom changes the gains of all its signals with one of them: None.
+                # A zoom scales its signals at run time: no constant gain.
                 gains |= dict.fromkeys(line.signals)
         return _gain_through(drive.products, gains, constants)
 
@@ -564,7 +564,7 @@ class ControllerModel(OfKind):
     claim_lines: tuple[LoopClaim, ...] = ()
     _seen: dict[str, tuple[str, ...]] = field(
         default_factory=dict, init=False, repr=False, compare=False
-    )  # by axis, once it is asked for; under "" those of all axes
+    )  # by axis, on demand; under "" those of all axes
 
     def __repr__(self) -> str:
         axes, gains = ", ".join(self.axis_names), ", ".join(gain.name for gain in self.gains)
@@ -601,5 +601,5 @@ class ControllerModel(OfKind):
 
     @property
     def has_one_axis(self) -> bool:
-        """Whether there is only one axis, whose ports need no prefix."""
+        """Whether there is only one axis: its ports need no prefix."""
         return len(self.axes) == len(self.axes[0].names) == 1

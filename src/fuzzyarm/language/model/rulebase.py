@@ -34,14 +34,14 @@ POSITION = "x"
 
 
 class NotInModelError(FuzzyarmError, KeyError):
-    """A variable or a term that a model does not have.
+    """A variable or a term unknown to a model.
 
     Attributes
     ----------
     name : str
         The requested name.
     known : tuple of str
-        The names that exist.
+        The names of the model.
     """
 
     def __init__(self, what: str, name: str, known: Sequence[str]) -> None:
@@ -65,7 +65,7 @@ class Shape:
         Its numbers in the order of the registry. For ``points``: x1, y1, x2, y2, …;
         for ``linear``: one coefficient for each input in order, then the constant.
     height : float
-        Factor on the whole function, 1 as a rule.
+        Factor on the whole function, usually 1.
     formula : str
         The text of a ``formula``; empty otherwise.
 
@@ -167,7 +167,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Defuzzifier:
-    """How a fuzzy output becomes a number.
+    """The method from a fuzzy output to a number.
 
     Attributes
     ----------
@@ -181,7 +181,7 @@ class Defuzzifier:
     Raises
     ------
     RuleBaseError
-        For a method or a sampling that does not exist; its finding names the argument.
+        For an unknown method or sampling; its finding names the argument.
     """
 
     method: str = "centroid"
@@ -277,13 +277,13 @@ class Output(Variable):
     Attributes
     ----------
     aggregation : str
-        How the clipped sets of several rules become one: an S-norm. By default that of the
-        defuzzifier: weighted rules add up, of sets the maximum is taken.
+        The union of the clipped sets of several rules: an S-norm. By default that of the
+        defuzzifier: the sum for weighted values, the maximum for sets.
     defuzzifier : Defuzzifier
         The way from the aggregate to a number.
     no_rule : float or str
-        The value where no rule fires, maybe NaN; ``"error"`` to raise, ``"hold"`` to keep the
-        value that the caller passes as the last one.
+        The value where no rule fires, maybe NaN; ``"error"`` to raise, ``"hold"`` to keep the last
+        value, passed by the caller.
     """
 
     aggregation: str = ""
@@ -363,7 +363,7 @@ class Consequent:
     variable : str
         The output.
     term : str
-        A term of it, or the word of a function.
+        Its term, or the word of a function.
     hedges : tuple of Hedge
         From left to right as written.
     """
@@ -385,7 +385,7 @@ class Rule:
     consequents : tuple of Consequent
         One or more.
     weight : float
-        Factor on the truth of the antecedent, 0 to 1 as a rule.
+        Factor on the truth of the antecedent, usually from 0 to 1.
     span : Span
         The grid cell or the ``rule`` statement.
     in_grid : bool
@@ -456,9 +456,9 @@ class Lookup:
     Attributes
     ----------
     axes : tuple of LookupAxis
-        Levels and thresholds of the inputs that have some.
+        Levels and thresholds of inputs.
     round : float or None
-        The step to which values are rounded.
+        The step of rounded values.
     """
 
     axes: tuple[LookupAxis, ...] = ()
@@ -515,7 +515,7 @@ class Property:
     output : str
         Which output.
     region : tuple of (str, float, float)
-        Inputs with a stretch of their range; the others take all of theirs.
+        Inputs with a stretch of their range; the others have all of theirs.
     outcome : Outcome or None
         Required value; of ``value`` only.
     input : str
@@ -633,7 +633,7 @@ def model_of(rulebase: AnyRuleBase) -> RuleBase:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class RuleBase(AnyRuleBase):
-    """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
+    """A whole fuzzy system as a value: variables, rules, and the methods of evaluation.
 
     Immutable; two are equal if they mean the same, wherever their rules were written. The result of
     :func:`fuzzyarm.load`, and the `model` of a :class:`fuzzyarm.RuleBaseBuilder`, which builds one
@@ -652,7 +652,7 @@ class RuleBase(AnyRuleBase):
     description : str
         Free text.
     lookup : Lookup or None
-        How it is sampled for a table.
+        The sampling of its table.
     expectations : tuple of Expectation
         Its ``expect`` lines.
     properties : tuple of Property

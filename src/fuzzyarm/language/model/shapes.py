@@ -59,7 +59,7 @@ def membership(shape: Shape, x: float) -> float:
 
 
 def membership_function(shape: Shape) -> Callable[[float], float]:
-    """Return :func:`membership` of `shape` as a function of x, for many of them."""
+    """Return :func:`membership` of `shape` as a function of x, for many calls."""
     kind, height = SHAPES[shape.kind], shape.height
     if kind.straight:
         return kind.lines(*shape.parameters, height=height).at
@@ -92,7 +92,7 @@ def truth(expression: Expression, degree: Degree, block: RuleBlock) -> float:
     expression : Expression
         An antecedent.
     degree : callable
-        ``degree(variable, term)`` gives the membership.
+        ``degree(variable, term)`` returns the membership.
     block : RuleBlock
         Names the conjunction and the disjunction.
     """
@@ -130,7 +130,7 @@ def polyline(shape: Shape) -> list[tuple[float, float]]:
 
 
 def straight_lines(shape: Shape, hedges: Sequence[Hedge] = ()) -> StraightShape | None:
-    """Return a term under hedges as lines that have its degrees to the bit; None where it has none.
+    """Return a term under hedges as lines with bitwise equal degrees; None without such lines.
 
     A level line stays level under any hedge. ``not`` reverses a line from its foot, because 1 − (0
     + d) and (1 − 0) − d round alike; other slopes are bent, or rounded twice.
@@ -203,7 +203,7 @@ def corners(variable: Variable) -> list[float]:
     values = {x for term in variable.terms for x in corner_points(term.shape)}
     low = variable.low if math.isfinite(variable.low) else min(values, default=0.0) - 1.0
     high = variable.high if math.isfinite(variable.high) else max(values, default=0.0) + 1.0
-    # A curved term has no corners at which it changes.
+    # A curved term has no corners.
     if any(not SHAPES[term.shape.kind].straight for term in variable.terms):
         values |= {low + (high - low) * i / 64 for i in range(65)}
     return sorted({low, high} | {x for x in values if low < x < high})
@@ -219,8 +219,8 @@ CURVED_SAMPLES = 1_001
 def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | None:
     """Return a position from `low` to `high` where `lower` is above `upper`; None if nowhere.
 
-    Piecewise linear shapes are compared at all their corners, from both sides, in rational numbers,
-    which is a proof; curved ones as in :func:`first_sample_above`.
+    Piecewise linear shapes are compared at all their corners, from both sides, in rational numbers:
+    a proof. Curved ones are compared as in :func:`first_sample_above`.
     """
     features = {x for shape in (lower, upper) for x in corner_points(shape)}
     one, other = membership_function(lower), membership_function(upper)
