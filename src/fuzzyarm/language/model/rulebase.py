@@ -633,7 +633,7 @@ def model_of(rulebase: AnyRuleBase) -> RuleBase:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class RuleBase(AnyRuleBase):
-    """A whole fuzzy system as a value: variables, rules, and the methods of evaluation.
+    """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
 
     Immutable; two are equal if they mean the same, wherever their rules were written. The result of
     :func:`fuzzyarm.load`, and the `model` of a :class:`fuzzyarm.RuleBaseBuilder`, which builds one
