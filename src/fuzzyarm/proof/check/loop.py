@@ -179,25 +179,8 @@ def checked_loop(
 ) -> CheckedLoop:
     """Derive a loop from its files, and check the statements of a certificate on the way.
 
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    names : sequence of str
-        Of z: states of the plant first, then memory.
-    evidence : Evidence
-        The statements of the certificate.
-    continuous : bool
-        As if the controller ran without a period.
-    surfaces : RuleSurfaces, optional
-        Of its rule bases, where they have been cut already.
-    in_cone : bool
-        Of a part of the states: what is said of rule bases may be of one side of their rest.
-
-    Raises
-    ------
-    LoopProofError
-        With what is wrong, or not read.
+    `names` are those of z, states of the plant first, then memory. `in_cone`: what is said of rule
+    bases may be of one side of their rest. LoopProofError with what is wrong, or not read.
     """
     of_rules = surfaces or RuleSurfaces()
     derivation = _Derivation(problem, tuple(names), evidence, of_rules, continuous=continuous)

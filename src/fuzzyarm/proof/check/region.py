@@ -387,10 +387,7 @@ def port_within(
 ) -> tuple[Number, Number]:
     """Return where an output or a drive can be, from a sample with V at most a level to the next.
 
-    Raises
-    ------
-    LoopProofError
-        If it has no bound there.
+    LoopProofError if it has no bound there.
     """
     address = problem.site.interface.port(port)
     if address in loop.drives:
@@ -488,28 +485,7 @@ def verified(
     problem: LoopProblem, claim: LoopClaim, region: RegionProof,
     surfaces: RuleSurfaces | None = None,
 ) -> tuple[str, dict[str, Any], CheckedLoop | None]:  # fmt: skip
-    """Return why a region does not prove a claim (empty: it does), and what it proves.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    claim : LoopClaim
-        The claim about it.
-    region : RegionProof
-        Which.
-    surfaces : RuleSurfaces, optional
-        Of its rule bases, where they have been cut already.
-
-    Returns
-    -------
-    against : str
-        Empty where it is proved.
-    facts : dict
-        Of a verdict.
-    loop : CheckedLoop or None
-        As the checker derived it.
-    """
+    """Return why a region does not prove a claim (empty: it does), a verdict's facts, the loop."""
     try:
         loop = accepted(problem, region, surfaces)
         level = _level_of_starts(problem, loop, region.p) if claim.start or claim.output else ZERO

@@ -283,18 +283,10 @@ class Follower:
     def follow(
         self, boxes: Sequence[Box], periods: Sequence[int], task: Task, numbers: Index | None = None
     ) -> list[Followed]:
-        """Follow boxes of starts until all of their runs have arrived.
+        """Follow boxes of starts until all of their runs have arrived, each for so many periods.
 
-        Parameters
-        ----------
-        boxes : sequence of boxes
-            Of each state of the plant; memory is as it begins.
-        periods : sequence of int
-            For how long each, at most.
-        task : Task
-            The demands.
-        numbers : ndarray of int, optional
-            Of each box: how many of the boxes of the task are before it; all by default.
+        Memory is as it begins. `numbers`: of each box, how many boxes of the task are before it;
+        all by default.
         """
         found = [Followed(0, "it was not followed")] * len(boxes)
         last = np.asarray(periods, dtype=np.int64)

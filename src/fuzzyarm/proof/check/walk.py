@@ -121,27 +121,10 @@ class ProgramWalk:
         first: bool = False,
         moved: Mapping[Address, Any] | None = None,
     ) -> tuple[dict[Address, Any], dict[str, Any]]:
-        """Do one period.
+        """Do one period: return inputs of the plant, and memory for the next.
 
-        Parameters
-        ----------
-        numbers : NumberSystem
-            The operation.
-        outputs : mapping
-            Of the plant, by axis and port.
-        states : mapping of str
-            Memory of the loop; missing parts have their start.
-        first : bool
-            Whether it is the first period.
-        moved : mapping, optional
-            References that are not `set_point`, by axis and port.
-
-        Returns
-        -------
-        inputs : dict
-            Of the plant, by axis and port.
-        states : dict
-            For the next period.
+        Missing parts of `states`, which is memory, have their start. `moved` has the references
+        that are not `set_point`.
         """
         self.states_read = set()
         self._numbers, self._first = numbers, first

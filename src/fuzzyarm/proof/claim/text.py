@@ -37,17 +37,8 @@ def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedP
 
     Times are the decimals that they are printed as, and the k-th sample is at k periods. A claim
     includes both of its ends. An output is continuous: at a sample it is where the period before
-    ends and the next one begins. A drive jumps there, and so may an error: the values before and
-    after both count, at both ends.
-
-    Parameters
-    ----------
-    claim : LoopClaim
-        With 0 ≤ begin ≤ end and end > 0.
-    period : float
-        s.
-    jumps : bool
-        Whether it is of a drive, or of an error that jumps.
+    ends and the next one begins. A drive jumps there, and so may an error (`jumps`): the values
+    before and after both count, at both ends.
     """
     begin = decimal(claim.begin) / decimal(period)
     first = max(0, math.ceil(begin) - 1) if jumps else math.floor(begin)
@@ -130,22 +121,8 @@ def loop_sentence(
 ) -> str:
     """Return a claim together with all that makes its loop another than the plain one.
 
-    Parameters
-    ----------
-    claim : LoopClaim
-        Which.
-    sensors : mapping of str to Sensor, optional
-        By port; exact ones by default.
-    connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
-    plant : Plant, optional
-        In place of the one that the claim names: what differs from that is said.
-    text : ControllerText, optional
-        The controller: what differs from its file is said.
-    continuous : bool, optional
-        Whether the controller is taken to run without a period.
-    duration : float, optional
-        s; of bounds for a time, which claim nothing.
+    What differs in `plant` from the one that the claim names is said, and what differs in `text`
+    from its file. A `duration`, s, is that of bounds, which claim nothing.
     """
     words = [claim_text(claim)]
     if duration:
@@ -180,26 +157,13 @@ def _sensor_words(sensor: Sensor) -> Iterator[str]:
 def claimed_plant(claim: LoopClaim, named: str | None = None, *, trust: bool = False) -> Plant:
     """Return the plant of a claim; of a claim in a file only if its code may run.
 
-    Parameters
-    ----------
-    claim : LoopClaim
-        Its plant; one outside the file is trusted as its author is.
-    named : str, optional
-        The plant of the command line, whose file may run.
-    trust : bool, optional
-        Whether all files may.
+    The file that the command line has `named` may; all may with `trust`.
     """
     return trusted_plant(claim.plant, named, trust=trust or claim.span == NOWHERE)
 
 
 def require_sense(claim: LoopClaim) -> None:
-    """Refuse a claim that means nothing, wherever it comes from.
-
-    Raises
-    ------
-    ClaimError
-        With the part that is wrong.
-    """
+    """Refuse a claim that means nothing, wherever it comes from: ClaimError with the part."""
     for part, names in (
         ("at", [name for name, _ in claim.at]),
         ("with", [name for name, _, _ in claim.parameters]),

@@ -110,24 +110,10 @@ def certify_map(
 ) -> tuple[Certificate, int, dict[Box, str]]:
     """Make the certificate of a map: what of its boxes the checker follows.
 
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop, as the plant begins.
-    whole : Certificate
-        Of its region, with the window.
-    boxes : sequence of (box, int)
-        All states of the plant, and in how many periods they arrived, those that did first first.
-    stop : Stop
-        When to give up.
-    halvings : int
-        How often a box is halved of which the checker does not say so.
-
-    Returns
-    -------
-    (Certificate, int, dict of box to str)
-        How many of its boxes, the first ones, are waypoints instead of starts; and the boxes that
-        are not in it, with the reason.
+    `whole` is that of its region, with the window. Boxes are of all states of the plant, with the
+    periods in which they arrived, those that did first first. Returned are, too, how many of its
+    boxes, the first ones, are waypoints instead of starts; and the boxes that are not in it, with
+    the reason.
     """
     tubes = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
     names = [name for name, *_ in whole.window]

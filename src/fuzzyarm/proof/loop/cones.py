@@ -97,14 +97,7 @@ def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
 def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[ConeCandidate]:
     """Yield one function for all cones, or where there is none, one for each.
 
-    Parameters
-    ----------
-    base : Form
-        The loop, whatever cone it is in.
-    forms : sequence of Form
-        In each cone.
-    stop : Stop
-        When to give up.
+    `base` is the loop whatever cone it is in, `forms` are those in each.
     """
     for own in (False, True):
         if stop.now:

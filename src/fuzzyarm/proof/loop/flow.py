@@ -365,23 +365,10 @@ class Flow:
     def step(
         self, start: Forms, constants: Mapping[str, Forms], time: float, length: float, order: int
     ) -> Step:
-        """Take one step.
+        """Take one step of the states, shape (states, batch), from a time, s.
 
-        Parameters
-        ----------
-        start : Forms, shape (states, batch)
-            The states.
-        constants : mapping of str to Forms
-            What does not change, each of shape (batch,).
-        time, length : float
-            When it begins and how long it is, s.
-        order : int
-            The highest power of h but one.
-
-        Raises
-        ------
-        EnclosureError
-            If no box is found that holds the solutions: the step is too long.
+        `constants` do not change, shape (batch,); `order` is the highest power of h but one.
+        EnclosureError: no box is found that holds the solutions, the step is too long.
         """
         inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
         box = self._box(start.bounds, inputs, time, length)

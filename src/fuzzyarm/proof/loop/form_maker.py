@@ -218,22 +218,7 @@ class FormMaker:
     # --- the form ---
 
     def form(self, choice: Assumptions, *, continuous: bool = False) -> Form:
-        """Return the loop as matrices.
-
-        Parameters
-        ----------
-        choice : Assumptions
-            What may be taken for granted.
-        continuous : bool
-            As if the controller ran without a period: of one without memory.
-
-        Raises
-        ------
-        NotAffineError
-            If the loop is not covered.
-        UnprovableError
-            If a rule base is not.
-        """
+        """Return the loop as matrices; NotAffineError, UnprovableError: it is not covered."""
         algebra = self._algebra(choice)
         if continuous and self.memory:
             raise NotAffineError(

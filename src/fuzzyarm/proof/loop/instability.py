@@ -31,15 +31,7 @@ SHARES = (1.0 - 2.0**-20, 0.9, 0.7, 0.5, 0.3, 0.1, 0.03)
 
 
 def growth(loop: System, stop: Stop | None = None) -> float:
-    """Return the least growth per period of some deviation from rest; 0: no proof of growth.
-
-    Parameters
-    ----------
-    loop : System
-        Next to rest, as sampled.
-    stop : Stop, optional
-        When to give up.
-    """
+    """Return the least growth per period of some deviation from rest; 0: no proof of growth."""
     stop = stop or Stop()
     if not all(limit > 0 for _, limit, _ in loop.rows):  # it is so nowhere around the rest
         return 0.0

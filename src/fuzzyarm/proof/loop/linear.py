@@ -65,20 +65,9 @@ def candidate(
 ) -> CertificateCandidate | None:
     """Return a Lyapunov function whose level set is large; None where none was found.
 
-    Parameters
-    ----------
-    form : Form
-        The loop.
-    include : sequence of rows of Fraction
-        Points z that the region has to hold.
-    within : sequence of (row of Fraction, Fraction)
-        Further rows g and limits: the region has to keep |g z| below them.
-    rate : float
-        Share by which V must fall in each period.
-    enlarge : bool
-        Whether the largest is looked for, or any.
-    stop : Stop, optional
-        When to give up.
+    The region has to hold the points `include`, and to keep |g z| below limits on each row of
+    `within`; V has to fall by a share, `rate`, in each period. Without `enlarge` any level set will
+    do.
     """
     stop = stop or Stop()
     n, m = form.size, len(form.blocks)
@@ -128,17 +117,7 @@ def candidate(
 def declining(
     loop: System, growth: float, stop: Stop
 ) -> tuple[Matrix, tuple[Fraction, ...]] | None:
-    """Return V, which need not be positive, and τ with V(z⁺) < growth² V(z); None: none was found.
-
-    Parameters
-    ----------
-    loop : System
-        As sampled.
-    growth : float
-        Above 1.
-    stop : Stop
-        When to give up.
-    """
+    """Return V, perhaps indefinite, and τ with V(z⁺) < growth² V(z); None: none was found."""
     from scipy.linalg import solve_discrete_lyapunov
 
     n, m = loop.size, len(loop.blocks)

@@ -36,15 +36,7 @@ in more than a thousand of them, it is given up."""
 
 
 def linear_flow(rates: Sequence[Node], inputs: Sequence[str]) -> LinearFlow | None:
-    """Return the flow of rates that are linear; None of others.
-
-    Parameters
-    ----------
-    rates : sequence of Node
-        Of the states ``x0`` …, over these and the inputs.
-    inputs : sequence of str
-        Symbols that are constant during a step.
-    """
+    """Return the flow of rates over ``x0`` … and constant inputs; None if they are not linear."""
     states = [f"x{i}" for i in range(len(rates))]
     variables = (*states, *inputs)
     if not all(map(is_total, rates)):  # slopes see neither a jump nor the end of a domain
@@ -93,19 +85,7 @@ class LinearFlow:
     def step(
         self, start: Forms, constants: Mapping[str, Forms], time: float, length: float, order: int
     ) -> Step:
-        """Take one step, as :meth:`fuzzyarm.proof.loop.flow.Flow.step` does.
-
-        Parameters
-        ----------
-        start : Forms, shape (states, batch)
-            The states.
-        constants : mapping of str to Forms
-            The inputs, each of shape (batch,).
-        time, order
-            Not needed.
-        length : float
-            How long it is, s.
-        """
+        """Take one step, as :meth:`fuzzyarm.proof.loop.flow.Flow.step`; its order is not needed."""
         batch = start.shape[1]
         columns = [*(start[i] for i in range(start.shape[0]))]
         columns += [constants[name] for name in self.inputs] + [Forms.at(np.ones(batch))]

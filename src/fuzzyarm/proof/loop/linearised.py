@@ -185,15 +185,7 @@ class LinearisedLoop:
         return _walked(self.problem, self.rest, _Slopes(values))
 
     def opened(self, drive: Address, changed: Mapping[int, float] | None = None) -> OpenLoop:
-        """Return the loop opened at a drive.
-
-        Parameters
-        ----------
-        drive : (str, str)
-            Axis and port.
-        changed : mapping of int to float, optional
-            Other values of `slopes`, by index.
-        """
+        """Return the loop opened at a drive, with other values of `slopes` by index."""
         inputs, after = self._walk(changed or {})
         count, size = len(self.problem.states), len(self.rest)
         index = self.drives.index(drive)
@@ -224,17 +216,9 @@ class LinearisedLoop:
 
 
 def linearised(problem: LoopProblem) -> LinearisedLoop:
-    """Linearise a loop about its rest.
+    """Linearise a loop about its rest, with parameters in the middle of their intervals.
 
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop; a parameter that is an interval is in its middle.
-
-    Raises
-    ------
-    LoopProofError
-        If the loop has no rest that is found, rests at a limit, or switches there.
+    LoopProofError: no rest is found, or it is at a limit or a switch.
     """
     require_still(problem)
     period = LoopPeriod[float](problem, LoopAlgebra())

@@ -132,20 +132,8 @@ def minimise(
 ) -> Vector:
     """Return a point at which the cost is nearly least, or the best one in time, inside them.
 
-    Parameters
-    ----------
-    inequalities : sequence of Inequality
-        Which hold at the start.
-    cost : ndarray
-        c.
-    start : ndarray
-        Where to begin.
-    stop : Stop
-        When to give up.
-    volume : Inequality, optional
-        The logarithm of its determinant is subtracted from the cost.
-    accuracy : float
-        As a share of the cost; of that logarithm for each of its rows.
+    The logarithm of the determinant of `volume` is subtracted from c·y. The accuracy is a share of
+    the cost; with a volume that of each of its rows.
     """
     size = sum(inequality.size for inequality in inequalities)
     inequalities, y = merged(inequalities), start

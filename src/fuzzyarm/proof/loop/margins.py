@@ -409,19 +409,7 @@ def drive_margins(
 ) -> DriveMargins:
     """Return the margins at a drive: at rest, and the worst over gains of the rules.
 
-    Parameters
-    ----------
-    linear : LinearisedLoop
-        The loop.
-    drive : (str, str)
-        Axis and port.
-    gains : tuple of RuleGain, optional
-        As from :func:`rule_gains`.
-
-    Raises
-    ------
-    LoopProofError
-        If the drive does not answer to what it moves.
+    LoopProofError: the drive does not answer to what it moves.
     """
     loop = linear.opened(drive)
     if not np.abs(loop.at(np.geomspace(1e-4, 1.0, 8) * math.pi / loop.period)).any():

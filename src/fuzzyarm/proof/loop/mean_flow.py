@@ -50,15 +50,7 @@ class MeanFlow:
     def ends(self, states: Forms, inputs: Forms) -> Forms:
         """Return the states a period later, without a bound where nothing is known of them.
 
-        Parameters
-        ----------
-        states, inputs : Forms, shapes (states, batch) and (inputs, batch)
-            Of the plant.
-
-        Raises
-        ------
-        LoopProofError
-            If its equations have something of which the checker knows no slopes.
+        LoopProofError: its equations have something of which the checker knows no slopes.
         """
         equations = self.problem.equations
         names = (*equations.states, *equations.inputs)

@@ -361,12 +361,7 @@ def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
 def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
     """Return the claim of the fields: ``claim``, or ``stable`` with its parts.
 
-    Parameters
-    ----------
-    request : ProveRequest
-        With one of both.
-    dashes : str, optional
-        Prefix of a field's name in a message; empty in that of a page.
+    `dashes` stand before a field's name in a message; a page has none.
     """
     plant = request.plant or ""
     if request.claim is not None:

@@ -97,25 +97,10 @@ class LoopPeriod(Generic[T]):
         first: bool = False,
         moved: Mapping[Address, T] | None = None,
     ) -> tuple[dict[Address, T], dict[str, T]]:
-        """Do one period.
+        """Do one period: return inputs of the plant, limits and slews included, and the new memory.
 
-        Parameters
-        ----------
-        outputs : mapping
-            The outputs of the plant as they are, by axis and port.
-        memory : mapping
-            What the last period left; in the first period values for NaN are not read.
-        first : bool
-            Whether it is the first period, in which some sources have seen nothing yet.
-        moved : mapping, optional
-            References that are not `set_point`, by axis and port.
-
-        Returns
-        -------
-        inputs : dict
-            Of the plant, by axis and port, limits and slews included.
-        memory : dict
-            For the next period.
+        In the first period some sources have seen nothing yet, and memory that begins as NaN is not
+        read. `moved` has the references that are not `set_point`.
         """
         self._before, self._after, self._first = memory, dict[str, T](), first
         given = self._given(self._sensed(outputs), moved or {})

@@ -209,12 +209,7 @@ class PlaneGrid:
     def bands(self, centre: Vector, generators: Vector) -> Bands | None:
         """Return a plane and the band around it of each set; None where one is not known.
 
-        Parameters
-        ----------
-        centre : ndarray, shape (inputs, sets)
-            Of the sets.
-        generators : ndarray, shape (symbols, inputs, sets)
-            Of the sets.
+        Sets have centres, shape (inputs, sets), and generators, shape (symbols, inputs, sets).
         """
         with np.errstate(all="ignore"):
             return self._bands(centre, generators)
@@ -366,15 +361,9 @@ def cells_of(
 ) -> tuple[Vector, Vector, Vector]:
     """Return slopes, least and largest distance of cells, from the pieces of a rule base.
 
-    Parameters
-    ----------
-    pieces : Quotients
-        With vertices in the inputs themselves.
-    edges : sequence of ndarray
-        Of the cells, by axis.
-    cut_at, values, bands : callable
-        Of :mod:`fuzzyarm.proof.loop.planes`: the parts on one side of a plane, the values at the
-        vertices, and the band around a plane by its slopes, its centre and its value there.
+    The pieces have vertices in the inputs themselves. The functions are of
+    :mod:`fuzzyarm.proof.loop.planes`: the parts on one side of a plane, the values at the vertices,
+    and the band around a plane by its slopes, its centre and its value there.
     """
     size = len(edges)
     shape = tuple(len(row) - 1 for row in edges)

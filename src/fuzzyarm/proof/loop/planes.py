@@ -284,14 +284,9 @@ class RulePlanes:
     def band(self, inputs: Zonotope) -> PlaneBand:
         """Return a plane and the band around it over a set of inputs.
 
-        Inputs whose range is not left lie in it, whatever their zonotope says.
-
-        Raises
-        ------
-        EnclosureError
-            If there may be no value somewhere, or no bound is known.
-        UnprovableError
-            If nothing can be proved of the rule base.
+        Inputs whose range is not left lie in it, whatever their zonotope says. EnclosureError:
+        there may be no value somewhere, or no bound is known; UnprovableError: nothing is proved of
+        it.
         """
         centre, radius = inputs.centre, inputs.radius
         low, high = self._within_ranges(centre - radius, centre + radius)

@@ -165,12 +165,7 @@ class Pool:
     ) -> list[Box]:
         """Follow boxes until there are none, or time is over; return those on their way.
 
-        Parameters
-        ----------
-        boxes : callable
-            Gives at most so many boxes.
-        done : callable
-            Told of those that leave; it may have made others.
+        `boxes` gives at most so many. `done` is told of those that leave, and may have made others.
         """
         swarm: _Swarm | None = None
         with np.errstate(all="ignore"):  # non-finite boxes are refused in each period

@@ -291,15 +291,7 @@ _WITH_NUMBERS: dict[tuple[str, bool], Callable[[Forms, float], Forms]] = {
 
 
 def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
-    """Return expressions over forms.
-
-    Parameters
-    ----------
-    roots : sequence of Node
-        Readable ones, see :func:`readable`.
-    values : mapping of str to Forms
-        Of the symbols.
-    """
+    """Return expressions, readable ones (:func:`readable`), over forms of their symbols."""
     results: dict[Node, Any] = {}
     shape = next(iter(values.values())).shape
     for node in postorder(*roots):

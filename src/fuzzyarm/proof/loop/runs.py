@@ -41,15 +41,6 @@ def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = Non
     """Return a run that breaks a claim for certain, if one of some runs does.
 
     A run in floats is a hint only: the proof is its enclosure.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    claim : LoopClaim
-        About an output, or the stability from some starts.
-    stop : Stop, optional
-        When to give up.
     """
     stop = stop or Stop()
     unknown = 0
@@ -93,20 +84,9 @@ def run_in_time(
     stop: Stop,
     found: Callable[[Run], object],
 ) -> Run | None:
-    """Return a run of a duration, or as long as there is time for, or until it shows something.
+    """Return a run as long as `whole`, or as there is time for, or until it shows something.
 
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    start, values : mapping of str to float
-        By state and by parameter.
-    whole : float
-        s.
-    stop : Stop
-        When to give up.
-    found : callable
-        What a run shows; None or empty: nothing.
+    `found` returns what it shows; None or empty: nothing.
     """
     steps = max(1, math.ceil(problem.period / problem.plant.longest_step))
     periods = max(1, FIRST_STEPS // steps)
@@ -189,14 +169,9 @@ AGREED = 1e-3
 
 
 def converged(run: Callable[[int], Run | None], stop: Stop) -> tuple[Run, Run] | None:
-    """Return two runs of different steps that agree, the finer one last.
+    """Return two runs of different steps that agree, the finer one last; or TimeOverError.
 
-    Parameters
-    ----------
-    run : callable
-        Makes a run, of so many times as many steps.
-    stop : Stop
-        When to give up: TimeOverError.
+    `run` makes one of so many times as many steps.
     """
     coarse: Run | None = None
     taken = 0.0
@@ -260,17 +235,7 @@ def _starts(problem: LoopProblem) -> Iterator[tuple[dict[str, float], dict[str, 
 
 
 def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]:
-    """Return runs from corners of the starts and from within them, as `simulate` gives them.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    duration : float
-        s.
-    count : int
-        How many at most.
-    """
+    """Return runs of `simulate` from corners of the starts and from within them, up to a count."""
     runs = (run_of(problem, *start, duration=duration) for start in islice(_starts(problem), count))
     return [run for run in runs if run is not None]
 
@@ -283,19 +248,7 @@ def run_of(
     duration: float,
     steps: int = 1,
 ) -> Run | None:
-    """Return a run of a loop; None if there is none.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    start, values : mapping of str to float
-        By state and by parameter.
-    duration : float
-        s.
-    steps : int, optional
-        How many times as many steps the integrator takes, to confirm another run.
-    """
+    """Return a run of a loop, its steps divided by a number, to confirm another; None: none."""
     plant = problem.plant
     if values:
         plant = with_parameters(plant, values)

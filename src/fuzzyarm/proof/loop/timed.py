@@ -57,23 +57,9 @@ def followed(
 ) -> tuple[Tube, str]:
     """Return the tube of a claim, and why it does not prove it; an empty text: it does.
 
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    claim : LoopClaim
-        With an end; without one there has to be a haven.
-    budget : float
-        s.
-    tell : callable, optional
-        Told of the share of the starts that is done and of how many boxes are open.
-    haven : Haven, optional
-        A region as far as which the tube has to go.
-
-    Raises
-    ------
-    LoopProofError, UnreadableError, UnprovableError
-        If the loop has something of which nothing is enclosed.
+    A claim without an end needs a haven, as far as which the tube goes. `tell` is told of the share
+    of the starts that is done and of how many boxes are open. LoopProofError, UnreadableError and
+    UnprovableError: the loop has something of which nothing is enclosed.
     """
     horizon = _end(problem, claim) if haven is None else haven.horizon
     if not math.isfinite(horizon):
@@ -319,14 +305,7 @@ class Haven:
     def nearness(self, states: Forms, memory: Mapping[str, Number], count: int) -> Nearness:
         """Return an upper bound of V in each box, and what makes boxes wide.
 
-        Parameters
-        ----------
-        states : Forms, shape (states, boxes)
-            Of the plant.
-        memory : mapping of str to Forms or float
-            Of the controller.
-        count : int
-            Symbols that are the starts.
+        The first `count` symbols of the states, shape (states, boxes), are the starts.
         """
         batch = states.shape[1]
         names = self.maker.problem.states

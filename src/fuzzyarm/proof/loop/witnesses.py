@@ -44,18 +44,7 @@ def contradiction(
 ) -> str:
     """Return which run contradicts a region that is as good as proved; empty: none of some did.
 
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    loop : CheckedLoop
-        As the checker derived it.
-    certificate : RegionProof
-        Of the sampled loop; continuous time has none.
-    count : int, optional
-        How many runs.
-    stop : Stop, optional
-        When to give up: TimeOverError.
+    Only a region of the sampled loop has runs. TimeOverError: `stop` has come.
     """
     stop = stop or Stop()
     if certificate.continuous:

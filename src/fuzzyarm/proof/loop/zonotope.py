@@ -151,15 +151,10 @@ class Forms:
     # ── symbols ──────────────────────────────────────────────────────────────────────
 
     def with_symbols(self, count: int, symbols: Sequence[int] | None = None) -> Forms:
-        """Return the same forms over more symbols.
+        """Return the same forms over `count` symbols.
 
-        Parameters
-        ----------
-        count : int
-            How many symbols there are.
-        symbols : sequence of int, optional
-            Of each form along the first axis (or of the only one), the symbol that its rest
-            becomes. No other form may be over that symbol.
+        `symbols` are, of each form along the first axis (or of the only one), the one that its rest
+        becomes. No other form may be over that symbol.
         """
         parts = np.zeros((count, *self.shape))
         parts[: len(self.parts)] = self.parts

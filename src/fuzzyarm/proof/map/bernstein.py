@@ -385,27 +385,11 @@ def maximise(
     decide: bool = False,
     smallest: float = SMALLEST,
 ) -> Extremum:
-    """Return the supremum of N / D.
+    """Return the supremum of N / D, its `left` empty unless the search was given up.
 
-    Parameters
-    ----------
-    quotients : Quotients
-        N and D on simplices.
-    tolerance : number
-        Greatest distance of the bound above an attained value.
-    stop : Stop
-        When to give up.
-    least : number, optional
-        A value that is known to be attained elsewhere.
-    decide : bool
-        Ask only whether anything exceeds `least`: the search ends at the first that does.
-    smallest : float
-        Simplices with shorter edges, in shares of a cell, are given up.
-
-    Returns
-    -------
-    Extremum
-        With `left` empty unless the search was given up.
+    The bound is at most the tolerance above an attained value; `least` is one that is attained
+    elsewhere. With `decide` the search ends at the first that exceeds it. Simplices with edges
+    below `smallest`, in shares of a cell, are given up.
     """
     best, corner, owner = least, None, -1
     count, waiting = quotients.count, quotients

@@ -41,18 +41,10 @@ _STEPS = 60
 def centroid_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
     """Return the least and the greatest centroid of memberships between two curves.
 
-    Parameters
-    ----------
-    edges : ndarray, shape (n + 1,)
-        Ends of the panels, increasing.
-    lower, upper : ndarray, shape (..., n, 2)
-        The curves at the left and the right end of each panel, from within; straight between.
-
-    Returns
-    -------
-    (ndarray, ndarray), shape (...)
-        Rounded outward by about 1e-13 of the range. Where `lower` is 0 everywhere the ends of
-        what `upper` covers; NaN where that is 0 too.
+    Edges of panels, shape (n + 1,), increase. The curves, shape (..., n, 2), are at the left and
+    the right end of each panel, from within, and straight between. Rounded outward by about 1e-13
+    of the range. Where `lower` is 0 everywhere the ends of what `upper` covers; NaN where that is 0
+    too.
     """
     import numpy as np
 
@@ -67,18 +59,8 @@ def ends_of_centroid_bounds(
 ) -> tuple[Interval, Interval]:
     """Return bounds of both ends of the centroid of a set between two uncertain curves.
 
-    Parameters
-    ----------
-    edges : ndarray, shape (n + 1,)
-        Ends of the panels, increasing.
-    lower, upper : (ndarray, ndarray), shape (..., n, 2)
-        Bounds of the lower and the upper curve of the set, as in :func:`centroid_bounds`.
-
-    Returns
-    -------
-    ((ndarray, ndarray), (ndarray, ndarray)), shape (...)
-        The least and the greatest left end, and right end, rounded outward; NaN where nothing can
-        have an area.
+    Curves are bounds of those in :func:`centroid_bounds`. Returned are the least and the greatest
+    left end, and right end, rounded outward; NaN where nothing can have an area.
     """
     import numpy as np
 
@@ -197,17 +179,8 @@ def average_bounds(
 ) -> tuple[Array, Array]:
     """Return the least and the greatest weighted average of numbers with weights between bounds.
 
-    Parameters
-    ----------
-    least, greatest : ndarray, shape (..., n)
-        Bounds of each number; equal for constants.
-    lower, upper : ndarray, shape (..., n)
-        Bounds of each weight, not negative.
-
-    Returns
-    -------
-    (ndarray, ndarray), shape (...)
-        Exact up to rounding, then widened by 1e-13 of the numbers; NaN where all weights are 0.
+    Numbers and weights, none negative, have bounds of shape (..., n). Exact up to rounding, then
+    widened by 1e-13 of the numbers; NaN where all weights are 0.
     """
     import numpy as np
 
@@ -233,18 +206,8 @@ def ends_of_average_bounds(
 ) -> tuple[Interval, Interval]:
     """Return bounds of both ends of an average of numbers whose weights lie between uncertain ends.
 
-    Parameters
-    ----------
-    least, greatest : (ndarray, ndarray), shape (..., n)
-        Bounds of the least and the greatest value of each number.
-    lower, upper : (ndarray, ndarray), shape (..., n)
-        Bounds of the least and the greatest weight of each number.
-
-    Returns
-    -------
-    ((ndarray, ndarray), (ndarray, ndarray)), shape (...)
-        The least and the greatest left end, and right end, widened by 1e-13 of the numbers; NaN
-        where all weights are 0.
+    The ends of numbers and weights have bounds of shape (..., n). Returned are the least and the
+    greatest left end, and right end, widened by 1e-13 of the numbers; NaN where all weights are 0.
     """
     import numpy as np
 

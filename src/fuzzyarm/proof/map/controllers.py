@@ -407,22 +407,7 @@ def sampled_drive(
     text: ControllerText, proof: DriveProof, along: DriveSector, plant: Plant | None = None,
     connect: Mapping[str, str] | None = None, points: int = 2000,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return σ and the drive at points of a sector, for a picture of it.
-
-    Parameters
-    ----------
-    text, plant, connect
-        As for :func:`prove_drives`.
-    proof, along : DriveProof and DriveSector
-        What was proved.
-    points : int
-        How many in all; along one source a tenth of them.
-
-    Returns
-    -------
-    (ndarray, ndarray)
-        Alike in shape.
-    """
+    """Return σ and the drive at points of a sector, a tenth of them if along one source."""
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     case = _AxisCase(AxisLines(text, site, proof.axis, Stop(), {}), site)
     ends = list(along.within.values())

@@ -18,17 +18,7 @@ SECONDS = 10.0
 def with_proofs(
     before: RuleBase, after: RuleBase, found: Sequence[Apart], *, seconds: float = SECONDS
 ) -> tuple[Apart, ...]:
-    """Return found differences with what they nowhere exceed, where that can be proved.
-
-    Parameters
-    ----------
-    before, after : RuleBase
-        The rule bases.
-    found : sequence of Apart
-        How far each output is apart, see :func:`fuzzyarm.inference.apart.apart`.
-    seconds : float
-        For each output; after that nothing is proved.
-    """
+    """Return differences with what they nowhere exceed, where that is proved in some seconds."""
     outputs = paired(before.outputs, after.outputs, "output")
     inputs = [one for one, _ in paired(before.inputs, after.inputs, "input")]
     if inputs != list(before.inputs):  # pieces have the inputs of both in one order

@@ -654,27 +654,10 @@ def cut(
     only: Array | None = None,
     stop: Stop | None = None,
 ) -> Pieces:
-    """Cut a rule base into pieces on which its heights are affine.
+    """Cut a rule base, its antecedents without products, into pieces with affine heights.
 
-    Parameters
-    ----------
-    model : Straight
-        The rule base and one output; its antecedents without products.
-    what : Cut
-        The box and further cuts.
-    arithmetic : Arithmetic
-        Floats or rationals.
-    only : ndarray of int, optional
-        Numbers of the cells (:attr:`Pieces.flat_cells`); all by default.
-    stop : Stop, optional
-        When to give up.
-
-    Raises
-    ------
-    TooManyPiecesError
-        If there are more than :data:`MOST_PIECES`, or than fit into memory.
-    TimeOverError
-        When time is over.
+    `only` are numbers of cells (:attr:`Pieces.flat_cells`), all by default. TooManyPiecesError if
+    there are more than :data:`MOST_PIECES`, or than fit into memory; TimeOverError.
     """
     pieces = Pieces(model, what, arithmetic, only, stop)
     pieces.fire()

@@ -47,17 +47,7 @@ _STEPS = 60
 def bisector_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
     """Return the least and the greatest bisector of memberships between two curves.
 
-    Parameters
-    ----------
-    edges : ndarray, shape (n + 1,)
-        Ends of the panels, increasing.
-    lower, upper : ndarray, shape (..., n, 2)
-        The curves at the left and the right end of each panel, from within; straight between.
-
-    Returns
-    -------
-    (ndarray, ndarray), shape (...)
-        Rounded outward; NaN where `upper` is 0 everywhere.
+    Edges and curves are as in :func:`.centroid_bounds`; NaN where `upper` is 0 everywhere.
     """
     import numpy as np
 
@@ -102,17 +92,7 @@ def halving_bounds(
 ) -> tuple[Array, Array]:
     """Return the least and the greatest number at which the running sum of weights is one half.
 
-    Parameters
-    ----------
-    least, greatest : ndarray, shape (..., n)
-        Bounds of each number; equal for samples.
-    lower, upper : ndarray, shape (..., n)
-        Bounds of each weight, not negative.
-
-    Returns
-    -------
-    (ndarray, ndarray), shape (...)
-        NaN where all weights are 0.
+    Bounds have the shape (..., n), weights are not negative; NaN where all weights are 0.
     """
     import numpy as np
 
@@ -137,18 +117,7 @@ def nearest_half_bounds(positions: Array, lower: Array, upper: Array) -> tuple[A
     As in fuzzylite (sampling ``midpoints``). A sample in front of the half is nearest if it is as
     near as the next one: what is behind it, without one sample, is not more than what is up to it.
     One behind the half is if what is up to it, without one sample, is not more than the rest.
-
-    Parameters
-    ----------
-    positions : ndarray, shape (n,)
-        The samples, increasing.
-    lower, upper : ndarray, shape (..., n)
-        Bounds of each height, not negative.
-
-    Returns
-    -------
-    (ndarray, ndarray), shape (...)
-        NaN where all heights are 0.
+    Samples, shape (n,), increase; heights, shape (..., n), are not negative; NaN where all are 0.
     """
     import numpy as np
 

@@ -124,21 +124,10 @@ class Straight:
 
 
 def straight(rulebase: RuleBase, output: str) -> Straight:
-    """Return one output of a rule base in exact numbers.
+    """Return one output of a rule base in exact numbers: its doubles are what they are.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model; its doubles are taken as the numbers that they are.
-    output : str
-        Which output.
-
-    Raises
-    ------
-    NotStraightError
-        If it is not made of straight pieces; the message says what is not.
-    InferenceError
-        If the model cannot be evaluated at all.
+    NotStraightError: it is not made of straight pieces, the message says what is not.
+    InferenceError: it cannot be evaluated at all.
     """
     return _Reading(plan(rulebase), output).result()
 

@@ -72,30 +72,9 @@ def table_proof(
 def cell_errors(
     table: LookupTable, rulebase: RuleBase, mode: str, stop: Stop | None = None
 ) -> Iterator[tuple[tuple[int, ...], Bounds]]:
-    """Prove the error of a table cell by cell, from level to level along each axis.
+    """Prove the error of a table cell by cell: yield lower levels, and what it is above the output.
 
-    Parameters
-    ----------
-    table : LookupTable
-        Of one or more inputs, in the order of its axes.
-    rulebase : RuleBase
-        The rule base that it replaces.
-    mode : str
-        How it is looked up.
-    stop : Stop, optional
-        When to give up.
-
-    Yields
-    ------
-    tuple of int
-        Which cell: the lower level of each axis.
-    Bounds
-        Of what the table is above the output there.
-
-    Raises
-    ------
-    UnprovableError
-        If it cannot be proved in exact pieces.
+    UnprovableError: it cannot be proved in exact pieces.
     """
     prover = _prover(table, rulebase, table.output)
     prover.demand_pieces("the error in each cell")
