@@ -13,7 +13,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -27,6 +27,7 @@ from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import FollowedReference, LoopClaim, Stretch, When
 from fuzzyarm.plant.own import beside, is_relative_file
 from fuzzyarm.plant.plant import Plant, PlantError
+from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import require_sense
 
@@ -259,28 +260,17 @@ class Certificate:
             "format": FORMAT,
             "claim": _claim_data(self.claim),
             "sensors": {
-                port: {
-                    "delay": _text(s.delay),
-                    "resolution": _text(s.resolution),
-                    "difference": None if s.difference is None else _text(s.difference),
-                }
-                for port, s in self.sensors.items()
+                port: {name: _text(getattr(sensor, name)) for name in SENSOR}
+                for port, sensor in self.sensors.items()
             },
             "delays": {name: _text(delay) for name, delay in self.delays.items()},
-            "connect": dict(self.connect),
+            "connect": _plain(self.connect),
             "controller": self.controller,
-            "sha256": dict(self.fingerprints),
-            "proved": dict(self.digests),
-            "window": [[name, _text(low), _text(high)] for name, low, high in self.window],
+            "sha256": _plain(self.fingerprints),
+            "proved": _plain(self.digests),
+            "window": _rows(self.window),
             "regions": list(map(_region_data, self.regions)),
-            "tubes": [
-                {
-                    "box": list(map(_texts, tube.box)),
-                    "periods": tube.periods,
-                    "into": list(tube.into),
-                }
-                for tube in self.tubes
-            ],
+            "tubes": _plain(self.tubes),
         })  # fmt: skip
 
     @property
@@ -292,83 +282,59 @@ class Certificate:
 # ── writing ──────────────────────────────────────────────────────────────────────────
 
 
+SENSOR = ("delay", "resolution", "difference")
+"""Properties of a sensor that a certificate has."""
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of a proof as JSON has it: records as objects, rationals as texts."""
+    if isinstance(value, Fraction):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {name: _plain(x) for name, x in value.items()}
+    names = getattr(value, "__dataclass_fields__", None) or getattr(value, "_fields", None)
+    if names is not None:
+        return {name: _plain(getattr(value, name)) for name in names}
+    return list(map(_plain, value)) if isinstance(value, tuple | list) else value
+
+
+def _text(value: float | None) -> str | None:
+    # A finite double is a rational: nothing is lost. JSON has no infinity.
+    if value is None:
+        return None
+    return str(Fraction(value)) if math.isfinite(value) else str(value)
+
+
+def _rows(rows: Iterable[tuple[Any, ...]]) -> list[list[Any]]:
+    """Return rows of a name and numbers."""
+    return [[name, *map(_text, numbers)] for name, *numbers in rows]
+
+
 def _claim_data(claim: LoopClaim) -> dict[str, Any]:
-    return {
+    data = {
         "plant": claim.plant,
         "stable": claim.stable,
-        "at": [[name, _text(value)] for name, value in claim.at],
-        "parameters": [[n, _text(a), _text(b)] for n, a, b in claim.parameters],
-        "start": [[n, _text(a), _text(b)] for n, a, b in claim.start],
+        "at": _rows(claim.at),
+        "parameters": _rows(claim.parameters),
+        "start": _rows(claim.start),
         "output": claim.output,
         "between": [_text(claim.low), _text(claim.high)],
         "when": claim.when,
         "from": _text(claim.begin),
-        # JSON has no infinity.
-        "to": None if claim.end == math.inf else _text(claim.end),
-        # Only of claims that have them: those without keep the seal that they have had.
-        **(
-            {
-                "while": [
-                    [port, kind, [*map(_text, numbers)]] for port, kind, numbers in claim.follows
-                ]
-            }
-            if claim.follows
-            else {}
-        ),
-        **({"error": True} if claim.error else {}),
+        "to": _text(None if claim.end == math.inf else claim.end),
     }
+    # Only of claims that have them: those without keep the seal that they have had.
+    if claim.follows:
+        data["while"] = [[each.port, each.kind, [*map(_text, each.numbers)]]
+                         for each in claim.follows]  # fmt: skip
+    return {**data, "error": True} if claim.error else data
 
 
 def _region_data(region: RegionProof) -> dict[str, Any]:
-    evidence = region.evidence
-    return {
-        "loop": {
-            "continuous": region.continuous,
-            "memory": dict(evidence.memory),
-            "rest": {n: _texts(pair) for n, pair in evidence.rest.items()},
-            "gains": list(map(_gains_data, evidence.gains)),
-            "spread": [[k, j, str(low), str(high)] for k, j, low, high in evidence.spread],
-            "grip": str(evidence.grip),
-            "box": {name: str(half) for name, half in evidence.box.items()},
-        },
-        "states": list(region.states),
-        "p": [_texts(row) for row in region.p],
-        "multipliers": _texts(region.multipliers),
-        "rate": str(region.rate),
-        "growth": str(region.growth),
-        "cones": [
-            {
-                "gains": list(map(_gains_data, cone.gains)),
-                "p": list(map(_texts, cone.p)),
-                "falls": [
-                    {
-                        "multipliers": _texts(fall.multipliers),
-                        "sides": list(map(_texts, fall.sides)),
-                    }
-                    for fall in cone.falls
-                ],
-            }
-            for cone in region.cones
-        ],
-    }
-
-
-def _gains_data(gains: Gains) -> dict[str, Any]:
-    return {
-        "region": {name: _texts(pair) for name, pair in gains.region.items()},
-        "between": _texts(gains.between),
-        "weights": {name: str(weight) for name, weight in gains.weights.items()},
-        "gains": {name: _texts(pair) for name, pair in gains.gains.items()},
-    }
-
-
-def _text(value: float) -> str:
-    # A finite double is a rational: nothing is lost.
-    return str(Fraction(value)) if math.isfinite(value) else str(value)
-
-
-def _texts(values: Sequence[Fraction]) -> list[str]:
-    return [str(value) for value in values]
+    data: dict[str, Any] = _plain(region)
+    loop = {"continuous": data.pop("continuous"), **data.pop("evidence")}
+    order = ("states", "p", "multipliers", "rate", "growth", "cones")
+    return {"loop": loop, **{name: data[name] for name in order}}
 
 
 def _seal(data: Mapping[str, Any]) -> str:
@@ -428,10 +394,17 @@ def delays_by_name(plant: Plant) -> dict[str, float]:
     return {name: port.dead_time for name, port in plant.inputs.items() if port.dead_time}
 
 
-def sensors_by_name(problem: LoopProblem) -> dict[str, Sensor]:
-    """Return the sensors of a loop as a certificate has them."""
-    label = problem.site.interface.label
-    return {label(port): sensor for port, sensor in problem.sensors.items()}
+def new_certificate(
+    problem: LoopProblem, claim: LoopClaim, regions: Sequence[RegionProof]
+) -> Certificate:
+    """Return the certificate of a loop with some regions, without tubes yet."""
+    text, label = problem.text, problem.site.interface.label
+    return Certificate(
+        claim, text.path, fingerprints_of(text), tuple(regions), (),
+        {label(port): sensor for port, sensor in problem.sensors.items()},
+        dict(problem.site.connect), loop_digests(text, problem.given or problem.plant),
+        delays=delays_by_name(problem.plant),
+    )  # fmt: skip
 
 
 # ── reading ──────────────────────────────────────────────────────────────────────────

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError
@@ -265,6 +265,29 @@ def problem_of(
     if claim.output or claim.start:
         problem.require_known_start()
     return problem
+
+
+@dataclass(frozen=True)
+class GivenLoop:
+    """A controller and the plant that it runs, as given to a proof: arguments of `problem_of`."""
+
+    text: ControllerText
+    plant: Plant | None
+    connect: Mapping[str, str] | None
+    sensors: Mapping[str, Sensor] | None
+
+    def problem(self, claim: LoopClaim) -> LoopProblem:
+        """Return the loop of a claim."""
+        return problem_of(
+            self.text, claim, plant=self.plant, connect=self.connect, sensors=self.sensors
+        )
+
+    def sentence(self, claim: LoopClaim, *, continuous: bool = False) -> str:
+        """Return a claim about it in words."""
+        return loop_sentence(
+            claim, self.sensors, self.connect, plant=self.plant, text=self.text,
+            continuous=continuous,
+        )  # fmt: skip
 
 
 def _require_one_meaning(problem: LoopProblem, claim: LoopClaim) -> None:

@@ -17,15 +17,12 @@ from fuzzyarm.proof.check.certificate import (
     Pair,
     RegionProof,
     TubeProof,
-    delays_by_name,
-    fingerprints_of,
-    sensors_by_name,
+    new_certificate,
 )
 from fuzzyarm.proof.check.checking import demand_proved, ends_of_boxes, follow_tubes
 from fuzzyarm.proof.check.region import accepted
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task
-from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, horizon
@@ -86,12 +83,7 @@ def certify_tube(
     else:
         last = claimed_in(problem, claim).last
         whole = TubeProof(start, 0 if last is None else last + 1)
-    certificate = Certificate(
-        claim, text.path, fingerprints_of(text), tuple(regions), (),
-        sensors_by_name(problem), dict(connect or {}),
-        loop_digests(text, problem.given or problem.plant),
-        delays=delays_by_name(problem.plant),
-    )  # fmt: skip
+    certificate = new_certificate(problem, claim, regions)
     try:
         found = _Halving(problem, certificate, [whole], problem.states, MOST_HALVINGS, stop)
         if found.lost:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -294,11 +294,8 @@ class Follower:
         first = self.outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             self.reached = period
+            states, drives, memory = self.controlled(control, states, constants, memory, period)
             time = period * self.period
-            states, drives, memory = self.controlled(
-                algebra, control, states, constants, memory, time, first=period == 0,
-                moved=self._moved_references(period, batch),
-            )  # fmt: skip
             states, steps, parts = self.moved(states, {**constants, **drives}, time, parts)
             intervals = self._driven(drives)
             if not at:
@@ -337,20 +334,18 @@ class Follower:
 
     def controlled(
         self,
-        algebra: Zonotopes,
         control: LoopPeriod[Number],
         states: Forms,
         constants: Mapping[str, Forms],
         memory: Mapping[str, Number],
-        time: float,
-        *,
-        first: bool,
-        moved: Mapping[Address, Number] | None = None,
+        period: int,
     ) -> tuple[Forms, dict[str, Forms], dict[str, Number]]:
         """Return the states, the inputs of the plant over the same symbols, and the memory."""
+        algebra = cast(Zonotopes, control.algebra)
         algebra.count = len(states.parts)
-        measurements = self._told(states, constants, time)
-        inputs, after = control.run(measurements, memory, first=first, moved=moved)
+        measurements = self._told(states, constants, period * self.period)
+        moved = self._moved_references(period, states.shape[1])
+        inputs, after = control.run(measurements, memory, first=period == 0, moved=moved)
         drives = {
             name: algebra.forms(inputs[port])
             for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)

@@ -32,7 +32,7 @@ from fuzzyarm.plant.plant import Plant, with_parameters
 from fuzzyarm.proof.check.certificate import Certificate, Pair, fingerprints_of
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError
-from fuzzyarm.proof.claim.text import loop_sentence, problem_of
+from fuzzyarm.proof.claim.text import GivenLoop
 from fuzzyarm.proof.loop.boxes import certify_map
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box
@@ -41,7 +41,7 @@ from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.start_map import OPEN, PROVED, REFUTED, MappedBox, StartMap
 from fuzzyarm.proof.loop.symmetry import is_odd
 from fuzzyarm.proof.loop.timed import claim_of_stability
-from fuzzyarm.proof.loop.verdicts import prove_loop
+from fuzzyarm.proof.loop.verdicts import judged
 from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
@@ -128,7 +128,7 @@ def map_starts(
     LoopProofError
         If nothing is proved about the loop, by name.
     """
-    return _Map(text, claim, search, plant, connect, sensors, watch).made()
+    return _Map(GivenLoop(text, plant, connect, sensors), plant, claim, search, watch).made()
 
 
 class _Drawn(NamedTuple):
@@ -143,18 +143,17 @@ class _Map:
     """A map in the making."""
 
     def __init__(
-        self, text: ControllerText, claim: LoopClaim, search: MapSearch, plant: Plant,
-        connect: Mapping[str, str] | None, sensors: Mapping[str, Sensor] | None,
+        self, given: GivenLoop, plant: Plant, claim: LoopClaim, search: MapSearch,
         watch: Watch | None,
     ) -> None:  # fmt: skip
         self.begun, self.stop = time.monotonic(), Stop(search.budget)
-        self.text, self.plant, self.connect, self.sensors = text, plant, connect, sensors
+        self.given, self.plant = given, plant
         count = None if search.executor is not None and search.workers == 1 else search.workers
         self.crew = Workers(count, search.executor)
         self.search, self.workers, self.watch = search, self.crew.count, watch
         start = claim.start or tuple(self._ranges(claim))
         self.claim = replace(claim_of_stability(claim), start=start)
-        self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
+        self.problem = given.problem(self.claim)
         self.window = {name: Interval(low, high) for name, low, high in start}
         for name, span in self.problem.parameters.items():
             if span.low < span.high:
@@ -173,10 +172,7 @@ class _Map:
 
     def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
         """Yield the ranges of the outputs that are states."""
-        problem = problem_of(
-            self.text, claim_of_stability(claim), plant=self.plant, connect=self.connect,
-            sensors=self.sensors,
-        )  # fmt: skip
+        problem = self.given.problem(claim_of_stability(claim))
         ports = problem.site.interface.outputs.items()
         shown = {name: port for (_, name), port in ports if name in problem.states}
         _ = problem.equations  # raises where nothing of the plant can be proved
@@ -190,20 +186,15 @@ class _Map:
 
     def made(self) -> StartMap:
         """Return the whole map."""
-        verdict = prove_loop(
-            self.text, claim_of_stability(self.claim), plant=self.plant, connect=self.connect,
-            sensors=self.sensors, budget=0.5 * self.search.budget,
-        )  # fmt: skip
+        claim = claim_of_stability(self.claim)
+        verdict = judged(self.given, claim, budget=0.5 * self.search.budget)
         self.work += verdict.work
         self.region, self.certificate = verdict, verdict.certificate
         if verdict.certificate is None:
             why = verdict.reason or "; ".join(verdict.evidence)  # of a refuted loop
             return self._without_region(why)
         self.odd = is_odd(self.problem)
-        case = MapCase(
-            self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate,
-            self.odd,
-        )  # fmt: skip
+        case = MapCase(self.given, self.claim, verdict.certificate, self.odd)
         try:
             if self.search.journal is not None:
                 self._open(self.search.journal)
@@ -235,9 +226,7 @@ class _Map:
 
     def _certify(self, region: Certificate) -> None:
         """Leave as proved what the checker follows, and keep that as the certificate."""
-        problem = problem_of(
-            self.text, region.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
-        )
+        problem = self.given.problem(region.claim)
         begun = {name: (span.low, span.high) for name, span in problem.start.items()}
         found: list[tuple[tuple[Pair, ...], int]] = []
         for box in self.boxes:
@@ -283,10 +272,7 @@ class _Map:
                     )
         begins = self.problem.begins_alone
         return StartMap(
-            statement=loop_sentence(
-                claim_of_stability(self.claim), self.sensors, self.connect, plant=self.plant,
-                text=self.text,
-            ),
+            statement=self.given.sentence(claim_of_stability(self.claim)),
             window=self.window,
             others={name: self.problem.start[name].low for name in begins},
             boxes=tuple(self.boxes),
@@ -379,7 +365,7 @@ class _Map:
             {},
         )  # fmt: skip
         question["files"] = {
-            **fingerprints_of(self.text), **loop_digests(self.text, self.plant)
+            **fingerprints_of(self.given.text), **loop_digests(self.given.text, self.plant)
         }  # fmt: skip
         self.journal = journal = WorkJournal(
             path, "map", question, [*ends, "verdict", "periods", "reason"], piece="box",

@@ -14,15 +14,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.blocks import unpacked
-from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.check.region import verified
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
-from fuzzyarm.proof.claim.text import problem_of
+from fuzzyarm.proof.claim.text import GivenLoop
 from fuzzyarm.proof.loop.algebra import Number
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.follower import Box, Nearness
@@ -54,26 +51,17 @@ Open = Mapping[Box, str]
 class MapCase:
     """The task of a worker."""
 
-    text: ControllerText
+    given: GivenLoop
     claim: LoopClaim  # that is stable, from the window
-    plant: Plant
-    connect: Mapping[str, str] | None
-    sensors: Mapping[str, Sensor] | None
     certificate: Certificate
     odd: bool
-
-    def problem(self) -> LoopProblem:
-        """Return the loop."""
-        return problem_of(
-            self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
-        )
 
 
 class MapWorker:
     """Maps boxes of a case, one piece of work after the other."""
 
     def __init__(self, case: MapCase) -> None:
-        problem = case.problem()
+        problem = case.given.problem(case.claim)
         stop = Stop()
         against, _, loop = verified(problem, case.certificate.claim, case.certificate.region)
         if against or loop is None:

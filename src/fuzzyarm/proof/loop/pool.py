@@ -214,7 +214,7 @@ class Pool:
         try:
             follower.sizes = swarm.states.bounds.size.max(axis=1)
             states, drives, memory = follower.controlled(
-                algebra, control, swarm.states, swarm.constants, swarm.memory, 0.0, first=first
+                control, swarm.states, swarm.constants, swarm.memory, 0 if first else 1
             )
             states = self._moved(states, swarm.constants, drives)
             later = replace(swarm, states=states, memory=memory, ages=swarm.ages + 1)

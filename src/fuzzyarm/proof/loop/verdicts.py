@@ -27,9 +27,7 @@ from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     RegionProof,
-    delays_by_name,
-    fingerprints_of,
-    sensors_by_name,
+    new_certificate,
 )
 from fuzzyarm.proof.check.checking import region_lines
 from fuzzyarm.proof.check.loop import CheckedLoop, System, checked_loop
@@ -41,9 +39,8 @@ from fuzzyarm.proof.check.region import (
     where_states_are,
 )
 from fuzzyarm.proof.check.rules import RuleSurfaces
-from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
-from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of
+from fuzzyarm.proof.claim.text import GivenLoop, claimed_plant
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.instability import growth
@@ -225,8 +222,16 @@ def prove_loop(
         If the claim names another state or parameter, or has ends in the wrong order.
     """
     plant = claimed_plant(claim) if plant is None else plant
-    case = _Case(text, claim, plant, connect, sensors, budget, tell, continuous=continuous)
-    return case.verdict()
+    given = GivenLoop(text, plant, connect, sensors)
+    return judged(given, claim, budget=budget, continuous=continuous, tell=tell)
+
+
+def judged(
+    given: GivenLoop, claim: LoopClaim, *, budget: float, continuous: bool = False,
+    tell: Tell | None = None,
+) -> LoopVerdict:  # fmt: skip
+    """Return the verdict on a claim about a loop."""
+    return _Case(given, claim, budget, tell, continuous=continuous).verdict()
 
 
 SEARCHED = 0.75
@@ -237,22 +242,11 @@ class _Case:
     """One claim on trial."""
 
     def __init__(
-        self,
-        text: ControllerText,
-        claim: LoopClaim,
-        plant: Plant | None,
-        connect: Mapping[str, str] | None,
-        sensors: Mapping[str, Sensor] | None,
-        budget: float,
-        tell: Tell | None,
-        *,
+        self, given: GivenLoop, claim: LoopClaim, budget: float, tell: Tell | None, *,
         continuous: bool,
-    ) -> None:
-        self.text, self.claim, self.continuous = text, claim, continuous
-        self.statement = loop_sentence(
-            claim, sensors, connect, plant=plant, text=text, continuous=continuous
-        )
-        self.plant, self.connect, self.sensors = plant, connect, dict(sensors or {})
+    ) -> None:  # fmt: skip
+        self.given, self.claim, self.continuous = given, claim, continuous
+        self.statement = given.sentence(claim, continuous=continuous)
         self.started = time.monotonic()
         watch = None if tell is None else (lambda count, gap: tell(self.statement, count, gap))
         self.stop = Stop(budget, watch)
@@ -269,9 +263,7 @@ class _Case:
 
     def _judgement(self) -> LoopVerdict:
         try:
-            problem = problem_of(
-                self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
-            )
+            problem = self.given.problem(self.claim)
         except (ClaimError, PlantError):
             raise  # the claim is at fault, not its proof
         except FuzzyarmError as error:
@@ -412,12 +404,7 @@ class _Case:
         if against:
             return None, f"a certificate is contradicted: {against}"
         self.loop = loop
-        certificate = Certificate(
-            claim, self.text.path, fingerprints_of(self.text), (region,), (),
-            sensors_by_name(maker.problem), dict(self.connect or {}),
-            loop_digests(self.text, maker.problem.given or maker.problem.plant),
-            delays=delays_by_name(maker.problem.plant),
-        )  # fmt: skip
+        certificate = new_certificate(maker.problem, claim, [region])
         return self._said(PROVED, certificate=certificate, **facts), ""
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:

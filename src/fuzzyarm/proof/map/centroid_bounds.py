@@ -23,15 +23,13 @@ N. N. Karnik, J. M. Mendel, *Centroid of a type-2 fuzzy set*, 2001.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-
-Interval = tuple["Array", "Array"]
+Array = NDArray[np.float64]
+Interval = tuple[Array, Array]
 """Lower and upper bounds."""
 
 _STEPS = 60
@@ -46,8 +44,6 @@ def centroid_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Ar
     of the range. Where `lower` is 0 everywhere the ends of what `upper` covers; NaN where that is 0
     too.
     """
-    import numpy as np
-
     _, greatest = _brackets(edges, lower, upper)
     _, least = _brackets(*mirrored(edges, lower, upper))
     nothing = ~(upper > 0.0).any(axis=(-2, -1))
@@ -62,7 +58,6 @@ def ends_of_centroid_bounds(
     Curves are bounds of those in :func:`centroid_bounds`. Returned are the least and the greatest
     left end, and right end, rounded outward; NaN where nothing can have an area.
     """
-    import numpy as np
 
     def last(edges: Array, low: Interval, high: Interval) -> Interval:
         below, _ = _brackets(edges, low[1], high[0])
@@ -87,8 +82,6 @@ def mirrored(edges: Array, *curves: Array) -> tuple[Array, ...]:
 
 def _brackets(edges: Array, lower: Array, upper: Array) -> Interval:
     """Return bounds of the last position at which F is above 0, for any two curves."""
-    import numpy as np
-
     area_lower, moment_lower = _integrals(edges, lower)
     area_upper, moment_upper = _integrals(edges, upper)
     # Left of each edge by the lower curve, right of it by the upper one.
@@ -120,8 +113,6 @@ def _root(
     upper_right: Array,
 ) -> Interval:
     """Find where F changes its sign inside a panel, from both sides."""
-    import numpy as np
-
     width = right - left
     low, high = left.copy(), right.copy()
     c = 0.5 * (low + high)
@@ -160,16 +151,12 @@ def _integrals(edges: Array, curve: Array) -> tuple[Array, Array]:
 
 def sums_from_left(values: Array) -> Array:
     """Return the sums left of each edge."""
-    import numpy as np
-
     total = np.cumsum(values, axis=-1)
     return np.concatenate([np.zeros_like(total[..., :1]), total], axis=-1)
 
 
 def sums_from_right(values: Array) -> Array:
     """Return the sums right of each edge."""
-    import numpy as np
-
     total = np.cumsum(values[..., ::-1], axis=-1)[..., ::-1]
     return np.concatenate([total, np.zeros_like(total[..., :1])], axis=-1)
 
@@ -182,7 +169,6 @@ def average_bounds(
     Numbers and weights, none negative, have bounds of shape (..., n). Exact up to rounding, then
     widened by 1e-13 of the numbers; NaN where all weights are 0.
     """
-    import numpy as np
 
     def highest(numbers: Array) -> Array:
         order = np.argsort(numbers, axis=-1, kind="stable")
@@ -209,8 +195,6 @@ def ends_of_average_bounds(
     The ends of numbers and weights have bounds of shape (..., n). Returned are the least and the
     greatest left end, and right end, widened by 1e-13 of the numbers; NaN where all weights are 0.
     """
-    import numpy as np
-
     first, last = average_bounds(least[0], greatest[1], lower[0], upper[1])
     can_count = upper[1] > 0.0
     nothing = ~can_count.any(axis=-1)
@@ -225,8 +209,6 @@ def ends_of_average_bounds(
 
 def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Array:
     """Return a lower bound of the root of F for weights on the left and on the right of it."""
-    import numpy as np
-
     order = np.argsort(numbers, axis=-1, kind="stable")
     x, low, high, counts = (
         np.take_along_axis(array, order, -1) for array in (numbers, left, right, can_count)

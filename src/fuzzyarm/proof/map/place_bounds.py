@@ -18,7 +18,10 @@ Areas and heights that differ by 1e-12 count as equal here, as in inference.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.proof.map.centroid_bounds import (
     average_bounds,
@@ -27,12 +30,8 @@ from fuzzyarm.proof.map.centroid_bounds import (
     sums_from_right,
 )
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 TIE = 1e-11
 """Share by which heights, and areas, may differ and count as equal: more than inference allows."""
@@ -49,8 +48,6 @@ def bisector_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Ar
 
     Edges and curves are as in :func:`.centroid_bounds`; NaN where `upper` is 0 everywhere.
     """
-    import numpy as np
-
     nothing = ~(upper > 0.0).any(axis=(-2, -1))
     least = -_furthest(*mirrored(edges, lower, upper))
     most = _furthest(edges, lower, upper)
@@ -59,8 +56,6 @@ def bisector_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Ar
 
 def _furthest(edges: Array, lower: Array, upper: Array) -> Array:
     """Return up to where the area on the left need not be more than that on the right."""
-    import numpy as np
-
     # As far to the right as it can be: least area on its left, most on its right.
     lower, upper = lower * (1.0 - TIE), upper * (1.0 + TIE)
     widths = np.diff(edges)
@@ -94,7 +89,6 @@ def halving_bounds(
 
     Bounds have the shape (..., n), weights are not negative; NaN where all weights are 0.
     """
-    import numpy as np
 
     def furthest(numbers: Array) -> Array:
         order = np.argsort(numbers, axis=-1, kind="stable")
@@ -119,8 +113,6 @@ def nearest_half_bounds(positions: Array, lower: Array, upper: Array) -> tuple[A
     One behind the half is if what is up to it, without one sample, is not more than the rest.
     Samples, shape (n,), increase; heights, shape (..., n), are not negative; NaN where all are 0.
     """
-    import numpy as np
-
     slack = TIE * upper.sum(axis=-1, keepdims=True)
     behind = sums_from_right(lower)[..., 1:] - _largest_behind(lower)
     first = (sums_from_left(upper)[..., 1:] + slack >= behind).argmax(axis=-1)
@@ -135,8 +127,6 @@ def nearest_half_bounds(positions: Array, lower: Array, upper: Array) -> tuple[A
 
 def _largest_behind(values: Array) -> Array:
     """Return for each number the largest of those behind it; 0 for the last."""
-    import numpy as np
-
     largest = np.maximum.accumulate(values[..., ::-1], axis=-1)[..., ::-1]
     return np.concatenate([largest[..., 1:], np.zeros_like(largest[..., :1])], axis=-1)
 
@@ -176,8 +166,6 @@ class Humps(NamedTuple):
 
 def smallest_bounds(humps: Humps) -> tuple[Array, Array]:
     """Return bounds of the first position of all humps that are there."""
-    import numpy as np
-
     least = np.where(humps.can_be, humps.left, np.inf).min(axis=-1)
     most = np.where(humps.can_be, humps.latest_left, -np.inf).max(axis=-1)
     # One that is there in any case: the first position is not behind its own.
@@ -187,8 +175,6 @@ def smallest_bounds(humps: Humps) -> tuple[Array, Array]:
 
 def largest_bounds(humps: Humps) -> tuple[Array, Array]:
     """Return bounds of the last position of all humps that are there."""
-    import numpy as np
-
     least = np.where(humps.can_be, humps.earliest_right, np.inf).min(axis=-1)
     least = np.maximum(least, np.where(humps.certain, humps.earliest_right, -np.inf).max(axis=-1))
     most = np.where(humps.can_be, humps.right, -np.inf).max(axis=-1)
@@ -197,7 +183,6 @@ def largest_bounds(humps: Humps) -> tuple[Array, Array]:
 
 def mean_bounds(humps: Humps) -> tuple[Array, Array]:
     """Return bounds of the mean of all positions of the humps that are there."""
-    import numpy as np
 
     def there(values: Array) -> Array:
         return np.where(humps.can_be, values, 0.0)
@@ -214,8 +199,6 @@ def mean_bounds(humps: Humps) -> tuple[Array, Array]:
 
 def nearest_bounds(humps: Humps) -> tuple[Array, Array]:
     """Return bounds of the position nearest to 0 of all humps that are there."""
-    import numpy as np
-
     # Of a hump from a to b it is `inmost`, or the end that lies before it: max(a, min(b, inmost)),
     # which rises with both ends.
     low = np.maximum(humps.left, np.minimum(humps.earliest_right, humps.inmost))
@@ -229,7 +212,5 @@ def nearest_bounds(humps: Humps) -> tuple[Array, Array]:
 
 
 def _or_nothing(humps: Humps, least: Array, most: Array) -> tuple[Array, Array]:
-    import numpy as np
-
     nothing = ~humps.can_be.any(axis=-1)
     return np.where(nothing, np.nan, least), np.where(nothing, np.nan, most)
