@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -424,6 +424,81 @@ SPACE = {"math": _Math, "min": _least, "max": _most, "abs": np.abs}
 
 
 @dataclass(frozen=True)
+class Move:
+    """A reference that moves: its words in a claim, value and rate by the pages."""
+
+    text: str
+    value: Callable[[float], float]
+    rate: Callable[[float], float]
+
+
+def step_move(before: float, after: float, at: float) -> Move:
+    """From one value to another."""
+    text = f"step {before!r} .. {after!r} at {at!r} s"
+    return Move(text, lambda t: after if t >= at * (1 - 1e-12) else before, lambda t: 0.0)
+
+
+def ramp_move(start: float, rate: float, at: float) -> Move:
+    """A value that grows from a time on."""
+
+    def moving(t: float) -> bool:
+        return t >= at * (1 - 1e-12)
+
+    return Move(
+        f"ramp {start!r} by {rate!r} at {at!r} s",
+        lambda t: start + rate * max(t - at, 0.0),
+        lambda t: rate if moving(t) else 0.0,
+    )
+
+
+def sine_move(size: float, hertz: float, around: float) -> Move:
+    """A wave."""
+    w = 2.0 * math.pi * hertz
+    return Move(
+        f"sine {size!r} at {hertz!r} Hz around {around!r}",
+        lambda t: around + size * math.sin(w * t),
+        lambda t: size * w * math.cos(w * t),
+    )
+
+
+def quintic_move(values: Sequence[float], times: Sequence[float]) -> Move:
+    """Moves from rest to rest, one after the other."""
+
+    def share(s: float) -> tuple[float, float]:
+        s = min(max(s, 0.0), 1.0)
+        return s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) ** 2
+
+    def value(t: float) -> float:
+        total, begin = values[0], 0.0
+        for a, b, time in zip(values, values[1:], times, strict=False):
+            total += (b - a) * share((t - begin) / time)[0]
+            begin += time
+        return total
+
+    def rate(t: float) -> float:
+        total, begin = 0.0, 0.0
+        for a, b, time in zip(values, values[1:], times, strict=False):
+            if begin <= t <= begin + time:
+                total += (b - a) / time * share((t - begin) / time)[1]
+            begin += time
+        return total
+
+    ends = zip(values, values[1:], times, strict=False)
+    return Move(
+        "quintic " + ", ".join(f"{a!r} .. {b!r} in {time!r} s" for a, b, time in ends), value, rate
+    )
+
+
+def move_of(kind: str, numbers: Sequence[float]) -> Move:
+    """A reference by the numbers that a certificate has of it."""
+    last, time, first, *rest = (*numbers, 0.0) if len(numbers) < 3 else numbers
+    if kind == "quintic":
+        return quintic_move([first, last, *rest[::2]], [time, *rest[1::2]])
+    plain = {"step": step_move, "ramp": ramp_move}
+    return sine_move(last, time, first) if kind == "sine" else plain[kind](first, last, time)
+
+
+@dataclass(frozen=True)
 class Loop:
     """A controller on a plant."""
 
@@ -435,6 +510,14 @@ class Loop:
     set_point: Mapping[str, float] = field(default_factory=dict)
     connect: Mapping[str, str] = field(default_factory=dict)
     axis: str = "a"
+    moves: Mapping[str, Move] = field(default_factory=dict)
+
+    def reference(self, port: str, time: float) -> float:
+        """The reference of a port; that of a rate is the rate of the other's."""
+        of = next((each.rate_of for each in self.plant.outputs if each.name == port), "")
+        if port in self.moves:
+            return self.moves[port].value(time)
+        return self.moves[of].rate(time) if of in self.moves else self.set_point.get(port, 0.0)
 
     @property
     def rule_bases(self) -> tuple[Rules, ...]:
@@ -507,6 +590,7 @@ class Runner:
         for k in range(periods):
             memories.append(remembered)
             first = k == 0 and memory is None
+            self._time = k * loop.period
             u, remembered = self._controlled(x, u, parameters, remembered, first)
             lost |= np.isnan(u)
             u = np.where(np.isnan(u), 0.0, u)
@@ -517,9 +601,13 @@ class Runner:
                 moment = (k + (j + 1) / self.between) * loop.period
                 self._note(times, outputs, moment, x, u, parameters)
             all_states.append(x.copy())
+        columns = {name: np.array(rows) for name, rows in outputs.items()}
+        for port in loop.moves:
+            wanted = np.array([loop.reference(port, time) for time in times])
+            columns[f"error of {port}"] = wanted[:, None] - columns[port]
         return Course(
             np.array(times),
-            {name: np.array(rows) for name, rows in outputs.items()},
+            columns,
             np.array(drives),
             np.array(all_states),
             memories,
@@ -675,7 +763,7 @@ class Runner:
         own = {port: loop.connect.get(port, port) for port in line.of}
         if line.kind in ("error", "measured"):
             port = own[line.of[0]]
-            wanted = loop.set_point.get(port, 0.0)
+            wanted = loop.reference(port, self._time)
             return (wanted - seen[port] if line.kind == "error" else seen[port]) * line.gain
         x = signals[line.of[0]]
         if line.kind == "product":

@@ -5,7 +5,8 @@
 
 The judge is :mod:`own_loop`, which has nothing of the package. Plants of one to three states,
 linear, stiff, with products, sines, limits; rules with every `outside`, gaps and terms that end
-beside the range; signals with memory, sensors, actuators, set points, parameters, joined names.
+beside the range; signals with memory, sensors, actuators, set points, references that move,
+parameters, joined names.
 
 - *proved*: runs from the region and from the starts, and those that climb towards a violation, stay
   where they are said to be, at samples and between them; V falls in each period by its share.
@@ -49,6 +50,7 @@ from own_loop import (  # noqa: E402
     Driven,
     Line,
     Loop,
+    Move,
     Output,
     OwnPlant,
     Rule,
@@ -57,6 +59,7 @@ from own_loop import (  # noqa: E402
     Seen,
     Term,
     Variable,
+    move_of,
 )
 
 from fuzzyarm import load_controller, prove, simulate  # noqa: E402
@@ -634,8 +637,10 @@ def case(draw: random.Random, told: Told) -> None:
         kind = draw.random()
         if kind < 0.35:
             judge_stable(bench)
-        elif kind < 0.75:
+        elif kind < 0.65:
             judge_bounded(bench)
+        elif kind < 0.75:
+            judge_moving(bench)
         elif kind < 0.85:
             judge_sets(bench)
         elif kind < 0.93:
@@ -729,6 +734,63 @@ def judge_bounded(bench: Bench) -> None:
             demand_certificate(bench, verdict)
     elif verdict.verdict == "refuted":
         demand_refuted(bench, verdict, port, (a, b), begin, end)
+
+
+def judge_moving(bench: Bench) -> None:
+    """Claim of an output or its error along a reference that moves, for a time with an end."""
+    draw, period = bench.draw, bench.loop.period
+    fixed = {name: x for name, x in bench.loop.set_point.items() if name != "y"}
+    plant = replace(bench.loop.plant, error_bound=math.inf)
+    bench = Bench(draw, replace(bench.loop, plant=plant, set_point=fixed), bench.told)
+    kind, numbers = drawn_move(draw, period)
+    move = move_of(kind, numbers)
+    bench = along(bench, {"y": move})
+    box, parameters, words = drawn_conditions(bench, draw.choice([0.1, 0.3, 1.0]))
+    periods = draw.choice([2, 5, 10, 20, 40])
+    end = periods * period
+    begin = draw.choice([0.0, 0.0, 0.5 * end])
+    port = draw.choice(["error of y", "error of y", "y", bench.loop.plant.input])
+    seen = extremes(bench, box, parameters, port, begin, end)
+    if not (math.isfinite(seen.low) and abs(seen.low) < 1e6 and abs(seen.high) < 1e6):
+        return
+    width = max(seen.high - seen.low, 1e-3)
+    a = seen.low - width * draw.choice([0.5, 0.2, 0.05, 0.01, 1e-3, -1e-3])
+    b = seen.high + width * draw.choice([0.5, 0.2, 0.05, 0.01, 1e-3, -1e-3])
+    claim = f"{port} in {a!r} .. {b!r} during {begin!r} .. {end!r} s"
+    verdict = asked(bench, f"{words} while y follows {move.text}: {claim}", 2.0)
+    if verdict is None:
+        return
+    count("moving", kind, verdict.verdict)
+    if verdict.verdict == "proved":
+        demand_bounded(bench, box, parameters, port, (a, b), begin, end)
+        if draw.random() < 0.4:
+            demand_certificate(bench, verdict)
+    elif verdict.verdict == "refuted":
+        demand_refuted(bench, verdict, port, (a, b), begin, end)
+
+
+def drawn_move(draw: random.Random, period: float) -> tuple[str, tuple[float, ...]]:
+    """Return a kind of reference and its numbers, as a certificate has them."""
+    first, last, other = (number(draw, -0.4, 0.4) for _ in range(3))
+    time = draw.choice([0.0, 1.0, 3.0, 4.5, 7.2]) * period
+    some = draw.choice([0.5, 1.0, 5.0, 12.5]) * period
+    kind = draw.choice(["step", "ramp", "sine", "quintic"])
+    if kind == "sine":
+        return kind, (last, round(draw.uniform(0.01, 0.2) / period, 3), first)
+    if kind == "ramp":
+        return kind, (last, time, first)
+    if kind == "step":
+        return kind, (last, time, first)
+    more = draw.choice([(), (last, 2 * period), (other, 4.25 * period)])
+    return kind, (last, some, first, *more)
+
+
+def along(bench: Bench, moves: Mapping[str, Move], loop: Loop | None = None) -> Bench:
+    """Return a bench with other references, or another loop."""
+    loop = replace(loop or bench.loop, moves=dict(moves))
+    other = object.__new__(Bench)
+    vars(other).update(vars(bench), loop=loop, runner=Runner(loop))
+    return other
 
 
 def in_time(course: Course, port: str, begin: float, end: float) -> np.ndarray:
@@ -1418,8 +1480,8 @@ def demand_said(bench: Bench, verdict: Checked) -> None:
         connect={name: port.rpartition(".")[2] for name, port in certificate.connect.items()}
         or bench.loop.connect,
     )
-    other = object.__new__(Bench)
-    vars(other).update(vars(bench), loop=loop, runner=Runner(loop))
+    moves = {each.port.rpartition(".")[2]: each for each in claim.follows}
+    other = along(bench, {n: move_of(each.kind, each.numbers) for n, each in moves.items()}, loop)
     box = {n: (a, b) for n, a, b in claim.start}
     parameters = {n: (a, b) for n, a, b in claim.parameters}
     is_region = not certificate.tubes
@@ -1436,6 +1498,9 @@ def demand_said(bench: Bench, verdict: Checked) -> None:
         assert math.isfinite(claim.end), "sets for a time, and a claim without an end"
         assert claim.when == "during", f"sets for a time, and a claim that holds '{claim.when}'"
     port = claim.output.rpartition(".")[2]
+    if claim.error and port not in moves:
+        return
+    port = f"error of {port}" * claim.error or port
     if box or not is_region:
         demand_bounded(other, box, parameters, port, (claim.low, claim.high), claim.begin, end)
 
