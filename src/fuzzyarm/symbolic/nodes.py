@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias, TypeVar
 from weakref import WeakValueDictionary
+
+T = TypeVar("T")
 
 # Every living node by its content: equal expressions are shared. Weak references, so that
 # expressions of discarded rule bases are freed.
@@ -244,6 +246,25 @@ def postorder(*roots: Node) -> Iterator[Node]:
                 stack += [
                     (child, False) for child in reversed(children(node)) if child not in visited
                 ]
+
+
+def fold(
+    roots: Sequence[Node],
+    values: Mapping[str, T],
+    number: Callable[[float], T],
+    applied: Callable[[Apply, list[T]], T],
+) -> list[T]:
+    """Return expressions in another arithmetic: values of symbols, of numbers, of operations."""
+    results: dict[Node, T] = {}
+    for node in postorder(*roots):
+        if isinstance(node, Apply):
+            results[node] = applied(node, [results[argument] for argument in node.arguments])
+        elif isinstance(node, Constant):
+            results[node] = number(node.value)
+        else:
+            assert isinstance(node, Symbol)
+            results[node] = values[node.name]
+    return [results[root] for root in roots]
 
 
 def symbols(*roots: Node) -> tuple[str, ...]:

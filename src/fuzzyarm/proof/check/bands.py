@@ -27,9 +27,7 @@ from numpy.typing import NDArray
 from fuzzyarm.proof.check.numbers import SpanError
 from fuzzyarm.proof.check.polynomials import coefficients
 from fuzzyarm.proof.check.rules import RuleSurface
-from fuzzyarm.proof.check.spans import Spans
-
-Vector = NDArray[np.float64]
+from fuzzyarm.proof.check.spans import Spans, Vector
 
 OFF = 2.0**-42
 """Of the largest coefficient: 2,000 roundings, more than converting and cutting a piece take."""

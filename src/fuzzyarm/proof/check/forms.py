@@ -29,10 +29,9 @@ from fuzzyarm.proof.check.bands import RuleBands
 from fuzzyarm.proof.check.numbers import ONE, SpanError
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.slopes import Slope, applied
-from fuzzyarm.proof.check.spans import Spans
+from fuzzyarm.proof.check.spans import Spans, Vector
 from fuzzyarm.table import LookupTable
 
-Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 ENLARGED = 1.0 + 2.0**-40

@@ -47,7 +47,7 @@ from fuzzyarm.proof.check.numbers import (
 from fuzzyarm.proof.check.references import reference_between, sampled_references
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.slopes import Slope, slopes_of
-from fuzzyarm.proof.check.spans import Spans
+from fuzzyarm.proof.check.spans import Spans, Vector
 from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port, error_label
@@ -60,7 +60,6 @@ MOST_SYMBOLS = 14
 AT_ONCE = 4096
 """Sets that are followed side by side."""
 
-Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
 Box = Sequence[Pair]

@@ -19,7 +19,7 @@ from fuzzyarm.proof.check.certificate import Gains
 from fuzzyarm.proof.check.numbers import FUNCTIONS, SpanError, ends, exact, function, is_point
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.period import LoopAlgebra
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.symbolic.nodes import Apply, Node, fold
 from fuzzyarm.table import LookupTable
 
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -311,18 +311,10 @@ class AffineAlgebra(LoopAlgebra[Affine]):
 
     def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:
         """Return an expression that is affine, or is so beside choices that are made at rest."""
-        forms: dict[Node, Affine] = {}
-        for node in postorder(root):
-            if isinstance(node, Constant):
-                forms[node] = self.number(node.value)
-            elif isinstance(node, Symbol):
-                forms[node] = values[node.name]
-            else:
-                assert isinstance(node, Apply)
-                forms[node] = self._applied(node.operation, [forms[a] for a in node.arguments])
-        return forms[root]
+        return fold([root], values, self.number, self._applied)[0]
 
-    def _applied(self, operation: str, arguments: list[Affine]) -> Affine:
+    def _applied(self, node: Apply, arguments: list[Affine]) -> Affine:
+        operation = node.operation
         functions: dict[str, Callable[..., Affine]] = {
             "add": self.add,
             "subtract": self.subtract,

@@ -13,10 +13,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase, Variable
-from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Vector
 from fuzzyarm.proof.loop.period import LoopAlgebra
 from fuzzyarm.proof.loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.proof.loop.readings import pruned, read, readable
@@ -25,8 +24,6 @@ from fuzzyarm.symbolic.nodes import Constant, Node
 from fuzzyarm.table import LookupTable
 
 Number = Forms | float
-
-Vector = NDArray[np.float64]
 
 
 class Zonotopes(LoopAlgebra[Number]):

@@ -98,7 +98,6 @@ def certify_map(
     whole: Certificate,
     boxes: Sequence[tuple[Box, int]],
     stop: Stop,
-    halvings: int = HALVED_AGAIN,
 ) -> tuple[Certificate, int, dict[Box, str]]:
     """Make the certificate of a map: what of its boxes the checker follows.
 
@@ -109,7 +108,7 @@ def certify_map(
     """
     tubes = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
     names = [name for name, *_ in whole.window]
-    found = _Halving(problem, whole, tubes, names, halvings, stop)
+    found = _Halving(problem, whole, tubes, names, HALVED_AGAIN, stop)
     lost = {tube.box: reason for tube, reason in found.lost.items()}
     return found.certificate(), found.ways, lost
 

@@ -16,13 +16,14 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.proof.check.certificate import Cone, Fall
-from fuzzyarm.proof.loop.form import Assumptions, Form, Matrix
+from fuzzyarm.proof.loop.enclosure import Vector
+from fuzzyarm.proof.loop.form import Assumptions, Form
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.linear import (
     LARGEST,
+    Candidate,
     box_rows,
     coordinates,
     floats,
@@ -36,8 +37,6 @@ from fuzzyarm.proof.loop.linear import (
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.proof.stop import Stop
 
-Vector = NDArray[np.float64]
-
 MOST_SIGNALS = 3
 """Signals of which each has two sides: 8 cones."""
 
@@ -46,28 +45,6 @@ ROUNDS = 2
 
 MARGIN = 1e-6
 """Share by which the start is above the functions of all cones."""
-
-
-@dataclass(frozen=True)
-class ConeCandidate:
-    """Functions of cones, to be checked.
-
-    Attributes
-    ----------
-    p : matrix of Fraction
-        Of the start.
-    cones : tuple of Cone
-        See :class:`~fuzzyarm.proof.check.certificate.RegionProof`.
-    growth : Fraction
-        Likewise.
-    size : float
-        The logarithm of the volume of the start, except for a constant.
-    """
-
-    p: Matrix
-    cones: tuple[Cone, ...]
-    growth: Fraction
-    size: float
 
 
 def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
@@ -94,7 +71,7 @@ def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
     return forms
 
 
-def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[ConeCandidate]:
+def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[Candidate]:
     """Yield one function for all cones, or where there is none, one for each.
 
     `base` is the loop whatever cone it is in, `forms` are those in each.
@@ -265,7 +242,7 @@ class _Search:
             found.append(multipliers_within(functions_width, self.width - functions_width))
         return found
 
-    def found(self, stop: Stop) -> ConeCandidate | None:
+    def found(self, stop: Stop) -> Candidate | None:
         """Return the functions with a large start; None where none were found."""
         falls, places = self._falls()
         inequalities = [*falls, *self._bounds()]
@@ -287,7 +264,7 @@ class _Search:
 
     def _candidate(
         self, y: Vector, places: Sequence[tuple[int, list[tuple[int, int]]]]
-    ) -> ConeCandidate:
+    ) -> Candidate:
         count = len(self.basis)
         functions = [
             self.first.T @ np.tensordot(y[k * count : (k + 1) * count], self.basis, 1) @ self.first
@@ -309,7 +286,7 @@ class _Search:
             cones.append(Cone(self.gains[cone], function, tuple(falls)))
         above = Fraction(1) if not self.own else Fraction(int(growth * 1024.0 * 1.001) + 1, 1024)
         volume = -0.5 * float(np.linalg.slogdet(functions[0])[1])
-        return ConeCandidate(start, tuple(cones), above, volume)
+        return Candidate(start, (), volume, tuple(cones), above)
 
     def _fall(
         self, y: Vector, part: _Part, goal: int | None, begin: int, pairs: list[tuple[int, int]]

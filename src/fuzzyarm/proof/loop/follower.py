@@ -21,7 +21,7 @@ from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
 from fuzzyarm.proof.claim.text import error_label
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
-from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, Vector, outward
 from fuzzyarm.proof.loop.flow import Flow, Step
 from fuzzyarm.proof.loop.linear_flow import linear_flow
 from fuzzyarm.proof.loop.moving import reference_between, sampled_references
@@ -33,8 +33,6 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import gradient, specialise
 from fuzzyarm.symbolic.nodes import Constant, Node, replace, symbols
 from fuzzyarm.symbolic.operations import Interval
-
-Vector = NDArray[np.float64]
 
 ORDER, LEAST_ORDER = 6, 2
 """Of the Taylor polynomials in time, at most and at least."""

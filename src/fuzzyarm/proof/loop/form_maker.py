@@ -7,8 +7,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 
+from flint import fmpq_mat
+
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.check.certificate import Evidence
+from fuzzyarm.proof.check.numbers import ends, exact
 from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.affine import (
@@ -81,27 +84,27 @@ class FormMaker:
     # --- the loop as it is, over affine forms ---
 
     def _one_period(
-        self, algebra: AffineAlgebra, states: Mapping[str, Affine], *, first: bool = False
+        self, algebra: AffineAlgebra, states: Mapping[str, Affine]
     ) -> tuple[dict[Address, Affine], dict[str, Affine], dict[Address, Affine]]:
         """Return inputs of the plant, memory and outputs of a period."""
         period = LoopPeriod(self.problem, algebra)
-        values = self._plant_values(states)
-        outputs = {
-            address: algebra.expression(root, values)
-            for address, root in zip(
-                self.problem.site.interface.outputs, self.equations.outputs, strict=True
-            )
-        }
+        outputs = self._outputs(algebra, states)
         memory = {name: states[name] for name in period.memory if name in states}
         memory |= {name: number(period.memory[name]) for name in self.fixed}
-        inputs, after = period.run(outputs, {} if first else memory, first=first)
+        inputs, after = period.run(outputs, memory)
         for name in self.fixed:
             successor = after.pop(name)
-            if not first and (
-                not successor.is_constant or successor.constant != period.memory[name]
-            ):
+            if not successor.is_constant or successor.constant != period.memory[name]:
                 raise NotAffineError("an anti-windup counts while a limit holds")
         return inputs, after, outputs
+
+    def _outputs(
+        self, algebra: AffineAlgebra, states: Mapping[str, Affine]
+    ) -> dict[Address, Affine]:
+        """Return the outputs of the plant."""
+        values = self._plant_values(states)
+        roots = zip(self.problem.site.interface.outputs, self.equations.outputs, strict=True)
+        return {address: algebra.expression(root, values) for address, root in roots}
 
     def _plant_values(self, states: Mapping[str, Affine]) -> dict[str, Affine]:
         equations, problem = self.equations, self.problem
@@ -347,13 +350,7 @@ class FormMaker:
         begun = {name: value for name, value in period.memory.items() if math.isnan(value)}
         if not begun:
             return {}
-        values = self._plant_values(states)
-        outputs = {
-            address: algebra.expression(root, values)
-            for address, root in zip(
-                self.problem.site.interface.outputs, self.equations.outputs, strict=True
-            )
-        }
+        outputs = self._outputs(algebra, states)
         inputs, after = period.run(outputs, {}, first=True)
         # What starts so has remembered what it saw: its first period leaves it. That it is as if
         # it had remembered that before, too, is tried: both periods must be the same.
@@ -391,20 +388,12 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
 
 def solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
     """Solve rows = 0 in rationals; None where that is not one point."""
-    matrix = [[*row_of(row, names, 0), -row.constant] for row in rows]
+    check_time()
     size = len(names)
-    for column in range(size):
-        check_time()
-        pivot = next((k for k in range(column, size) if matrix[k][column]), None)
-        if pivot is None:
-            return None
-        matrix[column], matrix[pivot] = matrix[pivot], matrix[column]
-        head = matrix[column]
-        for k in range(size):
-            if k != column and matrix[k][column]:
-                factor = matrix[k][column] / head[column]
-                # Rows of delays are nearly empty.
-                matrix[k] = [
-                    x - factor * y if y else x for x, y in zip(matrix[k], head, strict=True)
-                ]
-    return [matrix[k][size] / matrix[k][k] for k in range(size)]
+    weights = [exact(x) for row in rows for x in row_of(row, names, 0)]
+    constants = [exact(-row.constant) for row in rows]
+    try:
+        found = fmpq_mat(size, size, weights).solve(fmpq_mat(size, 1, constants))
+    except ZeroDivisionError:
+        return None
+    return [ends(x)[0] for x in found.entries()]

@@ -25,26 +25,23 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fuzzyarm.proof.check.certificate import Cone
 from fuzzyarm.proof.check.loop import System
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.form import Form, Matrix
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.proof.stop import Stop
 
-Vector = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
-class CertificateCandidate:
-    """A candidate for the proof of a form: to be checked.
+class Candidate:
+    """A candidate for the proof of a form, to be checked; all but the size as in a certificate.
 
     Attributes
     ----------
-    p : matrix of Fraction, shape (n, n)
-        Of V; the region is V ≤ 1.
-    multipliers : tuple of Fraction
-        τ of each block.
+    p, multipliers, cones, growth
+        See :class:`~fuzzyarm.proof.check.certificate.RegionProof`.
     size : float
         The logarithm of the volume of the region, except for a constant.
     """
@@ -52,6 +49,8 @@ class CertificateCandidate:
     p: Matrix
     multipliers: tuple[Fraction, ...]
     size: float
+    cones: tuple[Cone, ...] = ()
+    growth: Fraction = Fraction(1)
 
 
 def candidate(
@@ -62,7 +61,7 @@ def candidate(
     rate: float = 0.0,
     enlarge: bool = True,
     stop: Stop | None = None,
-) -> CertificateCandidate | None:
+) -> Candidate | None:
     """Return a Lyapunov function whose level set is large; None where none was found.
 
     The region has to hold the points `include`, and to keep |g z| below limits on each row of
@@ -111,7 +110,7 @@ def candidate(
     p = first.T @ np.linalg.inv(np.tensordot(y[:count], basis, 1)) @ first
     taus = 1.0 / (y[count:] * units**2)
     size = -0.5 * float(np.linalg.slogdet(p)[1])
-    return CertificateCandidate(rationals(p), tuple(short(x) for x in taus), size)
+    return Candidate(rationals(p), tuple(short(x) for x in taus), size)
 
 
 def declining(

@@ -18,7 +18,6 @@ from functools import reduce
 from operator import add
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, matrix_exponential
 from fuzzyarm.proof.loop.flow import Step
@@ -27,8 +26,6 @@ from fuzzyarm.proof.loop.zonotope import ENLARGED, Forms, stacked
 from fuzzyarm.symbolic.evaluation import bounds as bounds_of
 from fuzzyarm.symbolic.evaluation import gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
-
-Vector = NDArray[np.float64]
 
 STIFF, MOST_STIFF = 1.0, 1024.0
 """Of ρ: beyond the first, e^ρ is a poor bound and a step is taken in halves; beyond the second,

@@ -17,13 +17,13 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.inference import infer
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.actuators import dead_time
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
 from fuzzyarm.proof.loop.resting import rest_in_floats
 from fuzzyarm.proof.loop.sampled_plant import require_still
@@ -34,8 +34,6 @@ from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.symbolic.evaluation import evaluate, gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.table import LookupTable
-
-Vector = NDArray[np.float64]
 
 STEP = 1e-4
 """Half of the difference that a slope is taken over, as a share of a range."""

@@ -20,9 +20,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.stop import Stop
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +86,7 @@ def merged(inequalities: Sequence[Inequality]) -> list[Inequality]:
     ]
 
 
-def feasible_point(
-    inequalities: Sequence[Inequality], start: Vector, stop: Stop, *, rounds: int = 8
-) -> Vector | None:
+def feasible_point(inequalities: Sequence[Inequality], start: Vector, stop: Stop) -> Vector | None:
     """Return a point at which all inequalities hold; None where none was found in time."""
     lowest = min(
         float(np.linalg.eigvalsh(inequality.at(start)).min()) for inequality in inequalities
@@ -102,7 +99,7 @@ def feasible_point(
     cost = np.zeros(len(y))
     cost[-1] = 1.0
     size = sum(inequality.size for inequality in inequalities)
-    for weight in (10.0**power for power in range(rounds)):
+    for weight in (10.0**power for power in range(8)):
         for _ in range(STEPS):
             if stop.now:
                 return None
@@ -117,6 +114,9 @@ def feasible_point(
     return None
 
 
+ACCURACY = 1e-3
+"""Of a minimum, as a share of the cost; with a volume that of each of its rows."""
+
 STEPS = 30
 """Newton's steps at one weight of the cost; fewer, and the path leaves the middle."""
 
@@ -128,12 +128,10 @@ def minimise(
     stop: Stop,
     *,
     volume: Inequality | None = None,
-    accuracy: float = 1e-3,
 ) -> Vector:
     """Return a point at which the cost is nearly least, or the best one in time, inside them.
 
-    The logarithm of the determinant of `volume` is subtracted from c·y. The accuracy is a share of
-    the cost; with a volume that of each of its rows.
+    The logarithm of the determinant of `volume` is subtracted from c·y.
     """
     size = sum(inequality.size for inequality in inequalities)
     inequalities, y = merged(inequalities), start
@@ -146,7 +144,7 @@ def minimise(
             y, decrement = _newton(inequalities, cost * weight, y, volume, weight)
             if decrement < 0.1:
                 break
-        if size / weight < accuracy * (volume.size if volume else abs(float(cost @ y))):
+        if size / weight < ACCURACY * (volume.size if volume else abs(float(cost @ y))):
             break
         weight *= 4.0
     return y

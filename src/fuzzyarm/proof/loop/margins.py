@@ -24,7 +24,6 @@ from functools import cached_property, partial
 from itertools import groupby, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.base import above
 from fuzzyarm.base.jsonable import json_properties
@@ -34,13 +33,12 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Address, Plant
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope, linearised
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import NoSectorError, form_text, sector
 from fuzzyarm.proof.stop import Stop, TimeOverError
-
-Vector = NDArray[np.float64]
 
 LONGEST_DELAY = 400
 """Control periods of dead time at most that a delay margin is looked for in."""

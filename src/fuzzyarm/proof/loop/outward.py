@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from fuzzyarm.proof.loop.affine import ZERO, NotAffineError
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.symbolic.nodes import Apply, Node, fold
 
 Ends = tuple[Fraction, Fraction]
 
@@ -54,22 +54,15 @@ def exact_bounds(
 
     Of sine and cosine by `wave`; without it only at 0.
     """
-    bounds: dict[Node, Ends] = {}
-    for node in postorder(root):
-        if isinstance(node, Constant):
-            bounds[node] = (Fraction(node.value), Fraction(node.value))
-        elif isinstance(node, Symbol):
-            bounds[node] = ranges[node.name]
-        else:
-            assert isinstance(node, Apply)
-            arguments = [bounds[a] for a in node.arguments]
-            if wave is not None and node.operation in ("sin", "cos"):
-                bounds[node] = wave(node.operation, arguments[0])
-            elif node.operation in ("less_equal", "where"):
-                bounds[node] = _choice(*arguments)
-            else:
-                bounds[node] = _exact_operation(node.operation, arguments)
-    return bounds[root]
+
+    def applied(node: Apply, arguments: list[Ends]) -> Ends:
+        if wave is not None and node.operation in ("sin", "cos"):
+            return wave(node.operation, arguments[0])
+        if node.operation in ("less_equal", "where"):
+            return _choice(*arguments)
+        return _exact_operation(node.operation, arguments)
+
+    return fold([root], ranges, lambda x: (Fraction(x), Fraction(x)), applied)[0]
 
 
 def _choice(a: Ends, b: Ends, c: Ends | None = None) -> Ends:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Options
@@ -20,9 +19,8 @@ from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.region import has_known_start, start_quadric, verified
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.claim.text import claimed_plant, problem_of
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
-
-Vector = NDArray[np.float64]
 
 RUNS, GRID = 10, 13
 

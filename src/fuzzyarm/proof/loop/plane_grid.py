@@ -25,9 +25,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.map.bernstein import Quotients
 
-Vector = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 HALVINGS = {1: 9, 2: 6, 3: 4}

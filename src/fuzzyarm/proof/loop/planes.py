@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Vector
 from fuzzyarm.proof.loop.plane_grid import HALVINGS, PlaneGrid, cells_of
 from fuzzyarm.proof.map.arithmetic import FLOATS
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
@@ -41,8 +41,6 @@ from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
 from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
-
-Vector = NDArray[np.float64]
 
 ROUNDS = 4
 """Times that pieces are halved for one question at most."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
-from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, Vector
 from fuzzyarm.proof.loop.flow import Flow
 from fuzzyarm.proof.loop.follower import ORDER, Box, Follower, Nearness
 from fuzzyarm.proof.loop.mean_flow import MeanFlow
@@ -27,7 +27,6 @@ from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, joined, stac
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import symbols
 
-Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 ARRIVED, LOST, GIVEN_UP = "arrived", "lost", "given up"

@@ -10,17 +10,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import compress
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.control.controllers.floats import Floats
 from fuzzyarm.control.controllers.text import ports_of
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
 from fuzzyarm.symbolic.evaluation import evaluate
-
-Vector = NDArray[np.float64]
 
 STEPS = 60
 """Newton's steps at most."""

@@ -10,7 +10,6 @@ from itertools import islice, product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.numbers import decimal, number_text
@@ -22,12 +21,10 @@ from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.proof.claim.problem import LoopProblem, LostRunError
 from fuzzyarm.proof.claim.text import claimed_port, error_label
-from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Vector
 from fuzzyarm.proof.loop.follower import Follower
 from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.symbolic.operations import Interval
-
-Vector = NDArray[np.float64]
 
 
 class Breach(NamedTuple):

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.proof.check.certificate import Cone, RegionProof
+from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import System
 from fuzzyarm.proof.check.region import falls, refutation, refutation_of_cones
 from fuzzyarm.proof.claim.problem import LoopProofError
@@ -22,7 +22,7 @@ from fuzzyarm.proof.loop.affine import NotAffineError
 from fuzzyarm.proof.loop.cones import cone_candidates, cone_forms
 from fuzzyarm.proof.loop.form import Assumptions, Form, Matrix
 from fuzzyarm.proof.loop.form_maker import FormMaker
-from fuzzyarm.proof.loop.linear import CertificateCandidate, candidate
+from fuzzyarm.proof.loop.linear import Candidate, candidate
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.stop import Stop
 
@@ -43,41 +43,41 @@ class Proposal:
         What the form grants.
     form : Form
         The loop under it.
-    p, multipliers, rate
-        See :mod:`fuzzyarm.proof.check.region`.
-    size : float
-        The logarithm of the volume of the region, except for a constant.
-    cones, growth
-        See :class:`~fuzzyarm.proof.check.certificate.RegionProof`.
+    found : Candidate
+        Its P and the rest.
+    rate : Fraction
+        By what share V falls.
     parts : tuple of Form
         The loop in each cone.
     """
 
     choice: Assumptions
     form: Form
-    p: Matrix
-    multipliers: tuple[Fraction, ...]
-    rate: Fraction
-    size: float
-    cones: tuple[Cone, ...] = ()
-    growth: Fraction = Fraction(1)
+    found: Candidate
+    rate: Fraction = Fraction(0)
     parts: tuple[Form, ...] = ()
+
+    @property
+    def size(self) -> float:
+        """Of its region."""
+        return self.found.size
 
     def region(self, *, continuous: bool) -> RegionProof:
         """Return it as a certificate has it."""
-        assert self.form.evidence is not None
+        form, found = self.form, self.found
+        assert form.evidence is not None
         return RegionProof(
-            self.form.evidence, continuous, self.p, self.multipliers, self.rate, self.form.names,
-            self.cones, self.growth,
+            form.evidence, continuous, found.p, found.multipliers, self.rate, form.names,
+            found.cones, found.growth,
         )  # fmt: skip
 
     def refutation(self) -> str:
         """Return why the forms of the search do not prove it; empty: they do."""
-        system = self.form.system
-        if not self.cones:
-            return refutation(system, self.p, self.multipliers, self.rate)
+        system, found = self.form.system, self.found
+        if not found.cones:
+            return refutation(system, found.p, found.multipliers, self.rate)
         systems = [part.system for part in self.parts]
-        pairs = list(zip(systems, self.cones, strict=True))
+        pairs = list(zip(systems, found.cones, strict=True))
         return refutation_of_cones(system, pairs, self.region(continuous=False))
 
 
@@ -162,7 +162,7 @@ class _Search:
         return [(row, limit) for row in form.rows_of(signal)]
 
     def _proposal(
-        self, choice: Assumptions, form: Form, candidate: CertificateCandidate | None
+        self, choice: Assumptions, form: Form, candidate: Candidate | None
     ) -> Proposal | str:
         if candidate is None:
             condition = f" with {form.words[0]}" if form.words else ""
@@ -170,7 +170,7 @@ class _Search:
         rate = Fraction(0)
         if self.claim.begin and not self.continuous:
             rate = rate_of(form.system, candidate.p, candidate.multipliers)
-        return Proposal(choice, form, candidate.p, candidate.multipliers, rate, candidate.size)
+        return Proposal(choice, form, candidate, rate)
 
     # --- plants whose equations are affine ---
 
@@ -244,10 +244,7 @@ class _Search:
             yield str(error)
             return
         for found in cone_candidates(form, parts, self.stop) if parts else ():
-            yield Proposal(
-                choice, form, found.p, (), Fraction(0), found.size, found.cones, found.growth,
-                tuple(parts),
-            )  # fmt: skip
+            yield Proposal(choice, form, found, parts=tuple(parts))
 
     def _looser(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
         """Yield proposals in which limits may be reached, where the region ends at them."""
@@ -366,7 +363,7 @@ class _Search:
             elif best is None or candidate_proposal.size > best.size:
                 best, low = candidate_proposal, scale
                 # The region may have another shape than the box: what it does not reach is cut.
-                axes = _half_axes(candidate_proposal.p, candidate_proposal.form)
+                axes = _half_axes(candidate_proposal.found.p, candidate_proposal.form)
                 shape = {n: min(x, 1.05 * axes[n] / scale) for n, x in shape.items()}
             else:
                 break

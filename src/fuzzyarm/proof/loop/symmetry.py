@@ -29,7 +29,7 @@ from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
 from fuzzyarm.proof.loop.readings import pruned
 from fuzzyarm.symbolic.kinds import SHAPES
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.symbolic.nodes import Apply, Node, fold
 from fuzzyarm.table import LookupTable
 
 ODD, EVEN = "odd", "even"
@@ -134,18 +134,10 @@ class _Parities(LoopAlgebra[Parity]):
         # Branches that numbers rule out are gone; the numbers themselves are counted exactly.
         constants = {n: float(x) for n, x in values.items() if isinstance(x, Fraction)}
         root = pruned(root, constants)
-        found: dict[Node, Parity] = {}
-        for node in postorder(root):
-            if isinstance(node, Constant):
-                found[node] = _constant(node.value)
-            elif isinstance(node, Symbol):
-                found[node] = values[node.name]
-            else:
-                assert isinstance(node, Apply)
-                found[node] = self._applied(node.operation, [found[x] for x in node.arguments])
-        return found[root]
+        return fold([root], values, _constant, self._applied)[0]
 
-    def _applied(self, operation: str, of: list[Parity]) -> Parity:
+    def _applied(self, node: Apply, of: list[Parity]) -> Parity:
+        operation = node.operation
         if operation in ("add", "subtract", "multiply", "divide"):
             found: Parity = getattr(self, operation)(*of)
             return found

@@ -21,17 +21,14 @@ from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import decimal, number_text
 from fuzzyarm.proof.claim.problem import LoopProblem
-from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Vector
 from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import Interval
-
-Vector = NDArray[np.float64]
 
 AT_ONCE = 64
 """Boxes that are followed side by side."""

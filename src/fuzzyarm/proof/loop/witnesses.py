@@ -13,17 +13,15 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.region import has_known_start, start_quadric
 from fuzzyarm.proof.claim.problem import LoopProblem
+from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.runs import converged, run_in_time, run_of
 from fuzzyarm.proof.stop import Stop
-
-Vector = NDArray[np.float64]
 
 WITNESSES = 12
 """Runs; at the border of the starts, in directions that are drawn."""
@@ -39,7 +37,6 @@ def contradiction(
     problem: LoopProblem,
     loop: CheckedLoop,
     certificate: RegionProof,
-    count: int = WITNESSES,
     stop: Stop | None = None,
 ) -> str:
     """Return which run contradicts a region that is as good as proved; empty: none of some did.
@@ -53,7 +50,7 @@ def contradiction(
     reach = np.sqrt(float(certificate.growth) * np.maximum(np.diag(np.linalg.inv(p)), 0.0))
     falls = certificate.growth == 1  # else functions of cones do
     duration = PERIODS * problem.period
-    for start, values in _starts(problem, loop, certificate, count):
+    for start, values in _starts(problem, loop, certificate):
         stop.check()
         run = run_in_time(
             problem, start, values, duration, stop,
@@ -83,7 +80,7 @@ def _finer(
 
 
 def _starts(
-    problem: LoopProblem, loop: CheckedLoop, certificate: RegionProof, count: int
+    problem: LoopProblem, loop: CheckedLoop, certificate: RegionProof
 ) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
     """Yield starts at the border of those that the region holds, and parameters."""
     names = problem.states
@@ -98,7 +95,7 @@ def _starts(
     rest = np.array([float(loop.rest[name]) for name in names])
     generator = np.random.default_rng(0)
     free = {n: span for n, span in problem.parameters.items() if span.low < span.high}
-    for _ in range(count):
+    for _ in range(WITNESSES):
         way = generator.standard_normal(len(names))
         way /= np.linalg.norm(way)
         at = rest + centre + 0.9999 * math.sqrt(level) * (root @ way)

@@ -28,17 +28,14 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.proof.loop import enclosure
-from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, Vector, outward
 from fuzzyarm.symbolic.evaluation import derivative, specialise
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
-
-Vector: TypeAlias = NDArray[np.float64]
 
 ENLARGED = 1.0 + 2.0**-40
 """By which sums of magnitudes are enlarged: 4,000 roundings, where nothing cancels."""

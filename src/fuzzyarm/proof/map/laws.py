@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.reach import combine, largest, overlap, symmetric
 from fuzzyarm.symbolic.evaluation import derivative, evaluate
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, postorder, symbols
+from fuzzyarm.symbolic.nodes import Apply, Node, fold, postorder
 from fuzzyarm.symbolic.operations import OPERATIONS, Interval
 from fuzzyarm.table import LookupTable
 
@@ -236,17 +236,13 @@ def _values(root: Node, at: Interval) -> Interval:
 
 def _bounds(root: Node, ranges: Mapping[str, Interval]) -> Interval:
     """Return the values of an expression, rounded outward as :func:`combined` does it."""
-    intervals: dict[Node, Interval] = {}
-    for node in postorder(root):
-        if isinstance(node, Apply):
-            operation = OPERATIONS[node.operation]
-            at = operation.bounds(*(intervals[argument] for argument in node.arguments))
-            intervals[node] = at if operation.exact else outward(at)
-        elif isinstance(node, Constant):
-            intervals[node] = Interval(node.value, node.value)
-        else:
-            intervals[node] = ranges[symbols(node)[0]]
-    return intervals[root]
+
+    def applied(node: Apply, arguments: list[Interval]) -> Interval:
+        operation = OPERATIONS[node.operation]
+        at = operation.bounds(*arguments)
+        return at if operation.exact else outward(at)
+
+    return fold([root], ranges, lambda x: Interval(x, x), applied)[0]
 
 
 def _sides(at: Interval) -> Interval:
