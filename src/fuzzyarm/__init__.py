@@ -26,7 +26,7 @@ Rule bases and controllers in Python
                         are evaluated.
     RuleBaseBuilder     A rule base under construction; its current value is model.
     AnyRuleBase         A rule base: the immutable value of a file, or one under construction.
-    ControllerText      A controller as text, with the rule bases and tables that it uses.
+    ControllerText      A controller as text, with its rule bases and tables.
     Shape               The membership function of a term, or the value of a consequent.
     from_live           Return the rule base of a live object of another fuzzy library.
     kinds               Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones

@@ -59,7 +59,7 @@ def adaptive_critically_damped_torque(
         - 0.5 * pose.sin_2 * v_2 * (r_1 + r_2)
         - 0.5 * pose.sin_2 * v_1 * r_2
     )
-    # The published figures have the reference velocity in W22 where the theory has acceleration.
+    # The published figures have the reference velocity in W22, the theory has the acceleration.
     moved = r_1 if numbers[11] != 0.0 else a_1
     w_22 = 0.5 * (pose.cos_2 * moved + pose.sin_2 * v_1 * r_1)
     adapt(memory, 0, numbers[4] * a_1 * e_1, clock)

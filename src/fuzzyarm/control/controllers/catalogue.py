@@ -1,4 +1,4 @@
-"""Every controller by its name.
+"""Every controller by name.
 
 The values are those printed in the study; the others were identified from its figures
 (``fuzzyarm identify``) and are marked so. Where text and figures disagree a controller exists in
@@ -60,7 +60,7 @@ from fuzzyarm.table import LookupTable
 
 @dataclass(frozen=True)
 class Sources:
-    """Rule bases and tables in place of those that a controller names.
+    """Rule bases and tables in place of those named in a controller.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Sources:
         Of the control law; one for all axes, one with an input ``joint``, or one for each axis.
         Initial table of SOC.
     performance : LookupTable, optional
-        By which SOC judges.
+        Performance table of SOC.
     """
 
     rulebase: RuleBase | None = None
@@ -99,7 +99,7 @@ Variant = Literal["as-printed", "as-described"]
 
 @dataclass(frozen=True)
 class Choice:
-    """Which of the controllers of one name.
+    """The choice among the controllers of one name.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class Choice:
 
     @property
     def described(self) -> bool:
-        """Whether the text is followed."""
+        """Whether the text of the study is followed."""
         return self.variant == "as-described"
 
 
@@ -131,7 +131,7 @@ class Entry:
     Parameters
     ----------
     name : str
-        As commands take it.
+        Its name in commands.
     summary : str
         One line.
     make : callable
@@ -139,9 +139,9 @@ class Entry:
     adaptive : bool
         Whether warm and cold start differ.
     accepts : tuple of str
-        Which of the :class:`Sources` it reads; none.
+        The :class:`Sources` that it reads; by default none.
     note : str
-        Where it must not be used; empty for most.
+        Where not to use it; empty for most.
     described : bool
         Whether the study's figures and its text disagree, which gives two variants.
     """
@@ -195,7 +195,7 @@ def computed_torque_of(choice: Choice) -> CompiledController:
 
 
 def acdid(choice: Choice) -> CompiledController:
-    """Make the adaptive controller, with W22 as printed or as in theory."""
+    """Return the adaptive controller, with W22 as printed or as in the theory."""
     values = (
         dict.fromkeys((f"model.{name}" for name in UNKNOWN_BODY), 0.0)
         if choice.start == "cold"
@@ -209,7 +209,7 @@ def acdid(choice: Choice) -> CompiledController:
 
 
 def mrac(choice: Choice) -> CompiledController:
-    """Make model reference control, in the form of the figures or of the text."""
+    """Return model reference control, in the form of the figures or of the text."""
     unknown = (f"model.{name}" for name in (*UNKNOWN_BODY, *MOTORS))
     compiled_controller = changed(
         MODEL_REFERENCE_LAW, dict.fromkeys(unknown, 0.0) if choice.start == "cold" else {}
@@ -221,7 +221,7 @@ def mrac(choice: Choice) -> CompiledController:
 
 
 def with_integral(name: str, base: Maker, whole_run_gain: float | None = None) -> Maker:
-    """Add integral action; the adaptive rows were made with a whole-run sum.
+    """Return the maker of a law with integral action; a whole-run sum in the adaptive rows.
 
     The text describes a sum over the iterations of a set point there too: of these
     rows the variants differ in the sum alone, and the rest is as printed.
@@ -317,15 +317,15 @@ class TextEntry:
     Parameters
     ----------
     name : str
-        As commands take it, and of the file.
+        Its name in commands, and of the file.
     adaptive : bool
         Whether warm and cold start differ.
     note : str
-        Where it must not be used; empty for most.
+        Where not to use it; empty for most.
     origin : {"printed", "own"}
         Whether its gains are the study's.
     identified : tuple of str
-        Those that were identified from the study's figures.
+        Gains identified from the study's figures.
     """
 
     name: str
@@ -353,7 +353,7 @@ class TextEntry:
 
     @property
     def accepts(self) -> tuple[str, ...]:
-        """Which of the :class:`Sources` it reads."""
+        """The :class:`Sources` that it reads."""
         return tuple(roles(self._model()))
 
     def _model(self) -> ControllerModel:
@@ -381,7 +381,7 @@ def text_controller(
     change: Change | None = None,
     source: str | None = None,
 ) -> CompiledController:
-    """Make the controller in a file, for the arm; `source` is its text, where it is another."""
+    """Make the controller in a file, for the arm; `source` replaces the text of the file."""
     demand_text_file(path)
     source = read_text(path) if source is None else source
     parsed = parse_once(source, os.fspath(path))
@@ -407,7 +407,7 @@ def controller_of(text: ControllerText, choice: Choice | None = None) -> Compile
 
 
 def controller_in(text: str, path: str) -> CompiledController:
-    """Make the controller of a text that need not be saved, for the arm.
+    """Make the controller of a (maybe unsaved) text, for the arm.
 
     Parameters
     ----------
@@ -419,7 +419,7 @@ def controller_in(text: str, path: str) -> CompiledController:
     Raises
     ------
     RuleBaseError
-        If it has mistakes, or files that it uses do.
+        If it, or a file that it uses, has mistakes.
     SourceError
         If the rule base is not one of error and rate.
     """
@@ -438,7 +438,7 @@ def controller_in(text: str, path: str) -> CompiledController:
 
 @dataclass(frozen=True)
 class CatalogueLaws:
-    """From the name of a partner to its law, of a choice; see ``FindLaw``."""
+    """The law of a partner by name; see ``FindLaw``."""
 
     choice: Choice
 
@@ -513,7 +513,7 @@ TEXTS = (
 
 
 class UnknownControllerError(FuzzyarmError, LookupError):
-    """An unknown controller; `name` is the requested name, `near` has similar ones."""
+    """An unknown controller name; `near` has similar names."""
 
     def __init__(self, name: str, near: list[str]) -> None:
         if os.path.isdir(name):
@@ -565,7 +565,7 @@ def controller(
 
 
 def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sources) -> None:
-    """Raise SourceError for a given source that no part of `name` uses."""
+    """Raise SourceError for a source unused by every part of `name`."""
     for role_given in sources.given():
         if not any(role_given in entry.accepts for entry in entries):
             accepted = sorted({role for entry in entries for role in entry.accepts})
@@ -595,12 +595,12 @@ def entries_if_any(name: str) -> list[Entry | TextEntry]:
 
 
 def notes_on(name: str) -> list[str]:
-    """Return where the controllers of a name or a sum must not be used; none for a file."""
+    """Return the notes on where not to use the controllers of a name or a sum; none for a file."""
     return [f"{entry.name} {entry.note}" for entry in entries_if_any(name) if entry.note]
 
 
 def near_names(name: str) -> list[str]:
-    """Return up to three names of the catalogue that look like `name`."""
+    """Return up to three similar names of the catalogue."""
     return several_nearest(name, CATALOGUE)
 
 

@@ -26,7 +26,7 @@ AXIS = "joint"
 
 
 class SourceError(FuzzyarmError, ValueError):
-    """A rule base, a table or a port does not serve a controller."""
+    """An unsuitable rule base, table or port of a controller."""
 
     def __init__(self, message: str, *, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -34,18 +34,18 @@ class SourceError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True)
 class Wiring:
-    """Where the ports of a plant are among the first cells.
+    """The first cells of a controller, by port of the plant.
 
     Attributes
     ----------
     references, measured, drives : dict
         The cell of each axis and port.
     partners : tuple of int
-        Where a partner leaves its torque, one cell for each axis.
+        Cells of a partner's torque, one for each axis.
     size : int
         Number of cells, the clock included.
     starts : dict
-        Initial values of drives whose actuators have one.
+        Initial values of drives, from actuators that have one.
     """
 
     references: Mapping[tuple[str, str], int]
@@ -72,16 +72,16 @@ class Guard:
     Attributes
     ----------
     begin, end : int
-        Where its instructions begin and end in the code.
+        Range of its instructions in the code.
     count : int
-        The cell that counts the skipped periods.
+        Counter of skipped periods.
     every, turn : int
-        The periods from one run to the next, and the cell that counts them.
+        The periods between two runs, and their counter.
     reads : tuple of int
-        Cells of references and measured values; where one is not a number, the axis is skipped.
+        Cells of references and measured values; NaN in one of them skips the axis.
     drives : dict
-        By the cell of each drive, that of its value in a skipped period: of its last value,
-        or of a number.
+        By the cell of each drive, the cell of its value in a skipped period: its last value, or a
+        number.
     """
 
     begin: int
@@ -102,25 +102,25 @@ class ControllerCode:
     code : list of int
         The instructions and their lists.
     cells : ndarray of float64
-        As they are before the first period.
+        Their values before the first period.
     signals : dict
         The cell of each axis and signal.
     learned : dict
         Location of each learning table of each axis.
     rings : tuple of (int, int)
-        The rings of learners, to be emptied before another run with the same tables.
+        The rings of learners, to empty before another run with the same tables.
     gains : dict
         The cells of each gain, one for each axis.
     rulebases : dict
-        By the cell of their first result: name in the text and rule base.
+        By the cell of the first result: name in the text and rule base.
     tables : dict
-        By the cell of their first value, the name in the text and the table of one axis.
+        By the cell of the first value: name in the text and table of one axis.
     updates : dict
-        By the first cell of their frame, the sources with an update.
+        The sources with an update, by the first cell of their frame.
     guards : dict
-        Of each axis its :class:`Guard`.
+        The :class:`Guard` of each axis.
     last : dict
-        By the cell of each drive, that of its last value.
+        The cell of each drive's last value, by the cell of the drive.
     """
 
     code: list[int]
@@ -155,7 +155,7 @@ class ControllerCode:
         return self.code[1 : 1 + to.INSTRUCTION * self.code[0] : to.INSTRUCTION]
 
     def memory(self) -> list[int]:
-        """Return the cells that one period leaves for the next, in order."""
+        """Return the state cells, in order."""
         code = self.code
         cells: set[int] = set()
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
@@ -173,7 +173,7 @@ class ControllerCode:
             cells |= {guard.count, *guard.drives}
             if guard.every > 1:
                 cells.add(guard.turn)
-        # Tables that learn: the ring of cells in use, the values and their visits.
+        # Learning tables: the ring of used cells, the values and their visits.
         for begin, end in self.rings:
             cells |= set(range(begin, end))
         for place in self.learned.values():
@@ -182,7 +182,7 @@ class ControllerCode:
         return sorted(cells)
 
     def _held(self, at: int) -> set[int]:
-        """Return the results of an inference that hold where no rule fires."""
+        """Return the results of an inference that hold if no rule fires."""
         count = self.code[at + to.COUNT_RESULTS]
         first = at + to.INFER_CELLS + self.code[at + to.COUNT_INPUTS]
         cells, holds = (

@@ -16,7 +16,7 @@ On the study's arm ``torque`` may replace it, which also gets the reference acce
             e2 = reference.position[1] - state.position[1]
             return 80.0 * e1 - 9.0 * state.velocity[0], 60.0 * e2 - 7.0 * state.velocity[1]
 
-They add to every other controller with ``+``.
+They can be added to every other controller with ``+``.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from fuzzyarm.plant.setting import (
 
 
 class Controller:
-    """Base of all controllers: override :meth:`step`, and :meth:`start` where you remember.
+    """Base of all controllers: override :meth:`step`, and :meth:`start` if there is state.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Controller:
         return one_line(self, f"{self.name}, gains {', '.join(self.gains) or 'none'}")
 
     def start(self, single: bool = False) -> None:
-        """Forget everything; called once before each run."""
+        """Reset the state; called once before each run."""
 
     def prepare(self, arithmetic: RunArithmetic) -> None:
         """Start in the arithmetic of a run."""
@@ -86,14 +86,14 @@ class Controller:
         measured : mapping of str to float
             Measured values, by ``port`` for a plant with one axis, else ``axis.port``.
         reference : mapping of str to float
-            The set points, likewise; with rates of those that have some.
+            The set points, likewise, with their rates where defined.
         """
         message = f"{type(self).__name__} has neither a step nor a torque"
         raise TypeError(message)
 
     @property
     def takes_ports(self) -> bool:
-        """Whether it has a :meth:`step`, so that it runs on any plant."""
+        """Whether it has a :meth:`step`, which runs on any plant."""
         return type(self).step is not Controller.step
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
@@ -165,7 +165,7 @@ class CompiledController(Controller):
         return CompiledController(self.law, {**self._gains, **values})
 
     def block(self, arithmetic: RunArithmetic) -> LawBlock:
-        """Write constants and initial memory down for the loop."""
+        """Return constants and initial memory for the loop."""
         return LawBlock(
             np.array(self.law.pack(self._gains, arithmetic), float),
             np.array(self.law.remember(self._gains, arithmetic), float),
@@ -173,20 +173,20 @@ class CompiledController(Controller):
         )
 
     def start(self, single: bool = False) -> None:
-        """Forget everything; called once before each run."""
+        """Reset the state; called once before each run."""
         self.prepare(RunArithmetic(single))
 
     def prepare(self, arithmetic: RunArithmetic) -> None:
-        """Forget everything and count as a run does; called once before each run."""
+        """Reset the state and take over the arithmetic of a run; called once before each run."""
         block = self._block = self.block(arithmetic._replace(compiled=False))
-        # Views on arrays give plain numbers, which Python adds and multiplies faster.
+        # Memory views give Python floats, whose arithmetic is faster than that of NumPy scalars.
         self._lists = view(block.numbers), view(block.memory), block.links
         self._torque: Pair = (0.0, 0.0)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
         now = Observation(reference, state, pose_of(state.position), clock)
-        # Called outside a run, which would have prepared it.
+        # Called outside a run: prepare first.
         if self._lists is None:
             self.prepare(RunArithmetic())
         assert self._lists is not None
@@ -198,7 +198,7 @@ class CompiledController(Controller):
 
 
 class Sum(Controller):
-    """A sum of controllers: their drives are added.
+    """A sum of controllers, that is of their drives.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ class Sum(Controller):
 
     @property
     def gains(self) -> Mapping[str, Gain]:
-        """Gains of all addends; a name that two of them have is ``addend:name``."""
+        """Gains of all addends; ``addend:name`` for a name in two of them."""
         names = [name for addend in self.addends for name in addend.gains]
         return {
             name if names.count(name) == 1 else f"{addend.name}:{name}": gain
@@ -233,7 +233,7 @@ class Sum(Controller):
         A bare name applies to every addend with this gain, ``addend:name`` to one.
         """
         for name in values:
-            # A name that no addend has would be dropped silently below.
+            # A name unknown to all addends would be dropped silently below.
             owner, _, bare = name.rpartition(":")
             if not any(
                 bare in addend.gains and owner in {"", addend.name} for addend in self.addends
@@ -259,7 +259,7 @@ class Sum(Controller):
             addend.prepare(arithmetic)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
-        """Add the torques up."""
+        """Add the torques."""
         # From 0.0 on and in the order of the names, as the compiled loop adds: the bits are the
         # same, and a lone torque of -0.0 becomes 0.0.
         first = second = 0.0

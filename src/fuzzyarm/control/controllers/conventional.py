@@ -86,8 +86,8 @@ def sliding_reference(
     reference: Reference, state: State, numbers: list[float], single: bool
 ) -> Reference:
     """Return the motion ``θ̇r = θ̇d + Λ e, θ̈r = θ̈d + Λ ė``; constants: Λ (2)."""
-    # (4.2.3.1) and (4.2.3.2). An arm that moves with θ̇r has an error that decays at the rate Λ,
-    # so a law that keeps θ̇ at θ̇r needs no term of the position.
+    # (4.2.3.1) and (4.2.3.2). If the arm moves with θ̇r, its error decays at the rate Λ, so a law
+    # for θ̇ = θ̇r needs no term of the position.
     return Reference(
         reference.position,
         (

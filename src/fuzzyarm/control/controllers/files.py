@@ -1,4 +1,4 @@
-"""Which files a controller can be read from, and the errors for other files."""
+"""Files with a controller, by suffix, and the errors for other files."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def demand_text_file(path: str | os.PathLike[str]) -> None:
 
 
 def without_controller(parsed: Parsed, path: str | os.PathLike[str]) -> Exception:
-    """Return the error of a text without a controller: its mistakes, or that it is a rule base."""
+    """Return the error of a text without a controller: its mistakes, or its kind."""
     if parsed.rulebase is None:
         return RuleBaseError(parsed.diagnostics)
     return not_a_controller(path, RULE_BASE)

@@ -63,7 +63,7 @@ class _Spanned(Protocol):
 
 P = TypeVar("P", bound=_Spanned)
 
-# --- Which plant ---
+# --- The plant ---
 
 KINDS = ("measured", "reference", "drive")
 """Kinds of ports of a controller."""
@@ -71,7 +71,7 @@ KINDS = ("measured", "reference", "drive")
 
 @cache
 def shipped_sites() -> tuple[Site, ...]:
-    """Return the shipped plants as controllers find them."""
+    """Return the shipped plants as sites of controllers."""
     return tuple(site_of(kind()) for kind in PLANTS.values())
 
 
@@ -93,12 +93,12 @@ def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = Non
 
 
 def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -> Site:
-    """Return the shipped plant on which a controller runs where none is named.
+    """Return the default plant of a controller, a shipped one.
 
     Parameters
     ----------
     controller : Controller
-        A text runs on the plant with its axes, everything else where the laws of the study do.
+        A text runs on the plant with its axes, every other one on the arm of the study.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
 
@@ -134,7 +134,7 @@ def doubts_of(
     Parameters
     ----------
     text : ControllerText
-        Without errors in its text; with its readable files.
+        Without errors in its text; with its readable files only.
     plant : Plant, optional
         Its plant: anything missing there is an error. By default the shipped plant with its axes:
         anything missing is a warning.
@@ -151,7 +151,7 @@ def doubts_of(
         diagnostics += _missing_ports(text.model, site, plant_is_named=plant is not None)
         if all(use.name in text.sheets for use in text.model.uses):
             diagnostics += _limits(text.model, reaches, site)
-    # Axes that share their lines share their findings.
+    # Axes with common lines have common findings.
     once = dict.fromkeys(replace(diagnostic, path=text.path) for diagnostic in diagnostics)
     return sorted(once, key=lambda finding: (finding.span, finding.name))
 
@@ -163,12 +163,12 @@ CHANGING = {"zoom", "learn", "drive", "axis", "period", "set-point", "partner", 
 def sound_part(
     model: ControllerModel, document: Document, findings: Iterable[Diagnostic]
 ) -> ControllerModel | None:
-    """Return a controller without the lines that have mistakes and those that depend on them.
+    """Return a controller without faulty lines and their dependents.
 
-    Findings in the rest do not follow from a mistake. None where one is in the head or in
-    no line: then all may follow from it.
+    Findings in the rest do not follow from a mistake. None for a mistake in the head or outside
+    lines, from which all may follow.
     """
-    # A line that is of no statement defines nothing that others read.
+    # An unreadable line defines nothing that others read.
     wrong = [f.span for f in findings if f.is_error and f.name != "unknown-statement"]
     nodes = [statement.node for statement in document.statements]
     broken = [x for x in nodes if isinstance(x, Broken) and x.keyword not in CHANGING]
@@ -191,7 +191,7 @@ def sound_part(
 
 
 def _untuned(gain: GainModel, wrong: Sequence[Span]) -> GainModel:
-    """Return a gain whose range of tuning is the only mistake in it without that range."""
+    """Return a gain without its range of tuning, if that is its only mistake."""
     if not gain.values:
         return gain
     known = gain.unit.span if isinstance(gain.unit, Word) and gain.unit else gain.values[-1].span
@@ -202,7 +202,7 @@ def _untuned(gain: GainModel, wrong: Sequence[Span]) -> GainModel:
 
 
 def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Line, ...]:
-    """Return the lines that read known signals only; those that others change are unknown."""
+    """Return the lines that read known signals only; signals that others change are unknown."""
     known, ports = set(known), set[str]()
     lines: list[Line] = []
     for line in axes.lines:
@@ -219,7 +219,7 @@ def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Li
 
 
 def _needed_by(line: Line) -> Iterator[str]:
-    """Yield the names that a line needs: signals, gains, rule bases and tables."""
+    """Yield the names in a line: signals, gains, rule bases and tables."""
     yield from line.reads()
     if isinstance(line, SignalLine) and line.source is not None:
         if line.source.record.of == "call":
@@ -249,14 +249,14 @@ LEAST = 0.1
 
 
 def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
-    """Yield signals far wider or far narrower than the universe in which they are looked up."""
+    """Yield signals far wider or far narrower than the universe of their look-up."""
     judged: set[tuple[int, str]] = set()
     for up in reaches.look_ups:
         key = (id(up.axes), up.signal)
         if key in judged:
             continue
         finding = _too_wide(text.model, up) or _too_narrow(up)
-        if finding is not None:  # one wrong gain: report it once
+        if finding is not None:  # one wrong gain, reported once
             judged.add(key)
             yield finding
 
@@ -324,11 +324,11 @@ def _made(look_up: LookUp) -> tuple[Related, ...]:
     return ()
 
 
-# --- Where no rule fires ---
+# --- No rule fires ---
 
 
 def _without_rule(text: ControllerText) -> Iterator[Diagnostic]:
-    """Yield signals of rule bases that are not a number at some point, for no rule fires there."""
+    """Yield signals that are NaN at some point because no rule fires."""
     for axes, line in text.model.lines():
         if not isinstance(line, SignalLine) or line.source is None:
             continue
@@ -359,7 +359,7 @@ def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> I
 
 
 def _what_stays(axes: Axes) -> str:
-    """Return the parts unchanged in a skipped period: the drives of an axis, and its memory."""
+    """Return the parts that keep their values in a skipped period: drives, or memory too."""
     memory = [
         f"{line.source.kind} {line.names[0]}"
         for line in axes.lines
@@ -396,8 +396,8 @@ def _unlike_units(
         if not meeting.name:
             yield from _unlike_terms(meeting)
             continue
-        # Report the gain that brings the conflict, not the lines after it: neither factor may have
-        # one of its own.
+        # Report the gain that causes the conflict, not the lines after it: neither factor may have
+        # a conflict of its own.
         pair = unlike(both) if both is not None else None
         if pair is None or unlike(before) or unlike(brought) or meeting.name not in gains:
             continue
@@ -533,7 +533,7 @@ def _asking(model: ControllerModel, kind: str, address: Address) -> tuple[Axes, 
 def _limits_before_factors(
     model: ControllerModel, reaches: Reaches, site: Site | None
 ) -> Iterator[Diagnostic]:
-    """Yield integrals with a factor whose limits are those of the scaled signal."""
+    """Yield integrals with a factor, whose limits are those of the scaled signal."""
     for axes, line in model.lines():
         if (
             not isinstance(line, SignalLine)
@@ -582,7 +582,7 @@ def _readers(
 
 
 def _limits(model: ControllerModel, reaches: Reaches, site: Site) -> Iterator[Diagnostic]:
-    """Yield drives that pass the limits of their actuator, or hardly move it."""
+    """Yield drives that exceed the limits of their actuator, or use little of its range."""
     for address, lines in reaches.drives.items():
         port = _port(model, site, address)
         if port is None:
@@ -706,7 +706,7 @@ def plants_in_words(axes: Iterable[str]) -> Mapping[tuple[str, str], str]:
 
 
 def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
-    """Yield names in claims that the shipped plant which they are about does not have."""
+    """Yield names in claims that are unknown to the claim's plant."""
     for claim in text.model.claim_lines:
         kind = PLANTS.get(claim.plant)
         if kind is None:

@@ -35,7 +35,7 @@ from fuzzyarm.table import LookupTable
 
 @dataclass
 class _LearningTable:
-    """A table that learns, with the cells that were in use in the last periods."""
+    """A learning table, with the cells used in the last periods."""
 
     table: LookupTable
     values: list[float]
@@ -91,7 +91,7 @@ class Floats(Algebra[float]):
         return a * b
 
     def divide(self, a: float, b: float) -> float:
-        """Return a quotient, as IEEE 754 has it for a divisor of 0."""
+        """Return a quotient; a divisor of 0 as in IEEE 754."""
         with np.errstate(all="ignore"):
             return float(np.float64(a) / np.float64(b))
 
@@ -139,7 +139,7 @@ class Floats(Algebra[float]):
         return self.signals[axis, name]
 
     def begins(self, cell: Remembered) -> float:
-        """Return its initial value; NaN means none yet."""
+        """Return the initial value; NaN means none yet."""
         return cell.start
 
     def held(self, value: float, before: float) -> float:
@@ -162,7 +162,7 @@ class Floats(Algebra[float]):
         return self.tables[key]
 
     def learned(self, call: Call[float], table: LookupTable, inputs: Mapping[str, float]) -> float:
-        """Return the value of a cell: that of the lesson, where it has the same signals."""
+        """Return the value of a cell; after a lesson for the same signals, the corrected one."""
         learning = self._learning(call)
         taught, cell = learning.taught
         if taught != tuple(call.signals):
@@ -170,7 +170,7 @@ class Floats(Algebra[float]):
         return learning.values[cell]
 
     def learn(self, lesson: Lesson[float]) -> None:
-        """Correct the cell that was in use some periods ago."""
+        """Correct the cell used some periods ago."""
         learning, inputs = self._learning(lesson.table), lesson.table.arguments
         judge = lesson.judge.lattice()
         cell = learning.cell(inputs)
@@ -185,7 +185,7 @@ class Floats(Algebra[float]):
     # --- skipped periods ---
 
     def skipped(self, guard: Guard, given: Mapping[PortValue, float]) -> dict[str, float] | None:
-        """Return the drives of an axis of which a value is not a number."""
+        """Return the drives of an axis with a NaN input."""
         if any(math.isnan(given[value]) for value in guard.reads):
             return self._sent(guard)
         self.tables_before = {
@@ -202,7 +202,7 @@ class Floats(Algebra[float]):
         return drives
 
     def ran(self, guard: Guard, found: Found[float]) -> dict[str, float] | None:
-        """Return the drives of a period that is skipped after all; else keep those of this one."""
+        """Return the drives of a period skipped after all; None keeps those of this one."""
         values = (*found.signals.values(), *found.drives.values())
         if any(map(math.isnan, values)) or not all(map(math.isfinite, found.memory.values())):
             self.tables = {k: v for k, v in self.tables.items() if k[0] != guard.axis}

@@ -1,4 +1,4 @@
-"""The kernel of controllers as text: one program for all of them, a controller is data to it.
+"""The kernel of controllers as text: one interpreter for all; a controller is its data.
 
 Two arrays hold everything. The **cells** ``s`` are numbers:
 
@@ -20,11 +20,11 @@ of sources are called by address: a source is a record (:mod:`fuzzyarm.symbolic.
 an instruction of its own. So an edited text compiles nothing, and the C program is a walk over the
 same instructions (:mod:`fuzzyarm.exchange.export`). A source's state is NaN before its first value.
 
-The first list are the guards. Where a reference or measured value that an axis reads is not a
-number, its instructions are passed over: memory, learned tables and drives stay as they were.
-They are brought back to that where a signal or a drive turns out to be not a number (no rule
-fires, the difference of two infinities) or a memory infinite. Each state has a cell for that,
-its value before; that the rare case is one of these is seen from ``x - x``, summed on the way.
+The first list are the guards. If a reference or measured value of an axis is NaN, its instructions
+are skipped: memory, learned tables and drives keep their values. They are restored if a signal or a
+drive turns out NaN (no rule fires, the difference of two infinities) or a memory infinite: each
+state has a cell with its value before. The sum of all ``x - x``, formed on the way, shows whether
+to look.
 """
 
 from __future__ import annotations
@@ -78,41 +78,39 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
 }
 """State cells by instruction; all others after the first are constants."""
 
-# The list of UPDATE: its address, how many numbers it fills in (its value, then its
-# state), whether these are rounded as stored values are, the end of its frame, how many
-# arguments beside x and the period are fetched, then for each of these where it goes and where it
-# comes from; the others are numbers in the frame (fuzzyarm.control.controllers.updates).
-# Behind the frame is its memory of before.
+# The list of UPDATE: its address, the number of results (value, then state), whether these are
+# rounded as stored values, the end of its frame, the number of arguments fetched beside x and the
+# period, then for each of these its target and source cells; the others are numbers in the frame
+# (fuzzyarm.control.controllers.updates). After the frame comes its memory of the period before.
 UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
-# LOOK_UP is in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
-# and its length, rate, bound, grid of the table, grid and values of the performance table,
-# whether both grids are alike, the indices of the inputs in the period before (in the one grid,
-# then in the other), the value that a lesson has replaced, then the inputs.
+# LOOK_UP is in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index first) and its
+# length, rate, bound, grid of the table, grid and values of the performance table, whether both
+# grids are equal, the indices of the inputs in the period before (in the one grid, then in the
+# other), the value replaced by the last lesson, then the inputs.
 BY, INSIDE, WAIT, ZOOMED = range(4)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE = range(1, 10)
 INDICES, JUDGE_INDICES, REPLACED, LEARN_INPUTS = range(10, 14)
 
-# Replaced by a lesson: the cell that it corrected (-1: none) and its value, the index of the
-# ring and the entry there.
+# Replaced by a lesson: the corrected cell (-1: none) and its value, the index of the ring and the
+# entry there.
 CORRECTED, VALUE_BEFORE, HEAD_BEFORE, ENTRY_BEFORE = range(4)
 
-# The list of INFER: where the block begins and ends; where in it the first input and the first
-# result are; how many of each; then their cells, and for each result whether it holds (1) or is
-# NaN (0) where no rule fires. Behind the cell of one that holds is its value before.
+# The list of INFER: begin and end of the block; offsets of its first input and first result; their
+# numbers; then their cells, and for each result whether it holds (1) or is NaN (0) if no rule
+# fires. After the cell of one that holds comes its value before.
 BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS = range(7)
 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
-# The list of guards: the addresses of `step_guarded` and `settle`, whether axes have rates of their
-# own or read signals of each other, how many cells any axis reads and how many drives there are,
-# these cells, of each drive its cell and that of its last value, and for each axis a guard: where
-# its instructions begin and end, the cell that counts the skipped periods, the periods from one run
-# to the next and the cell that counts them, how many cells it reads and how many drives it has, the
-# cells that it reads, and of each drive its cell and that of its value in a skipped period. After
-# the last guard comes a 0.
+# The list of guards: the addresses of `step_guarded` and `settle`; whether axes have rates of their
+# own or read signals of each other; the numbers of cells read by any axis and of drives; these
+# cells; for each drive its cell and that of its last value; and for each axis a guard: begin and
+# end of its instructions, the counter of skipped periods, the periods between two runs and their
+# counter, the numbers of its inputs and drives, the cells of the inputs, and for each drive its
+# cell and that of its value in a skipped period. After the last guard comes a 0.
 WITH_GUARDS, SETTLE, ONE_BY_ONE, COUNT_ALL, COUNT_DRIVES, ALL_READ = range(6)
 GUARD_BEGIN, GUARD_END, SKIPPED, EVERY, TURN, COUNT_READ, COUNT_SENT, GUARDED = range(8)
 
@@ -138,7 +136,7 @@ def step(k: Any, s: Any) -> None:
 @kernel
 def step_on(observation: Any, k: Any, s: Any) -> None:
     """Run a controller for one period on an observation."""
-    # Added up on the way, unread values included: the guards tell the difference.
+    # One sum over all, unread values included: the guards look closer.
     total = 0.0
     for i in range(observation.shape[0]):
         s[i] = observation[i]
@@ -148,13 +146,13 @@ def step_on(observation: Any, k: Any, s: Any) -> None:
 
 @kernel
 def step_read(k: Any, s: Any, total: float) -> None:
-    """Run a controller for one period; `total` is a sum of all that its axes read."""
+    """Run a controller for one period; `total` is the sum of all inputs of its axes."""
     guards = 1 + INSTRUCTION * k[0]
     drives = guards + ALL_READ + k[guards + COUNT_ALL]
     for i in range(drives, drives + 2 * k[guards + COUNT_DRIVES], 2):
         s[k[i + 1]] = s[k[i]]
-    # By address: a rare way, compiled into every loop, would slow the other one down.
-    # A value that is not a number, or infinities, or a cascade: the guards will see.
+    # By address: rare code, inlined into every loop, would slow the common case down.
+    # NaN, infinities or a cascade: the guards look closer.
     if total - total != 0.0 or k[guards + ONE_BY_ONE] != 0:
         call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
         return
@@ -165,14 +163,14 @@ def step_read(k: Any, s: Any, total: float) -> None:
 
 @kernel
 def step_guarded(k: Any, s: Any) -> None:
-    """Run the axes without NaN inputs, each in its turn."""
+    """Run the axes without NaN inputs, each at its rate."""
     at = 1
     end = 1 + INSTRUCTION * k[0]
     guard = end + ALL_READ + k[end + COUNT_ALL] + 2 * k[end + COUNT_DRIVES]
     while k[guard + GUARD_BEGIN] > 0:
         run(k, s, at, k[guard + GUARD_BEGIN])
         at = k[guard + GUARD_END]
-        # Out of its turn, all that an axis has defined and driven stays.
+        # Between two runs the signals and drives of an axis stay.
         if k[guard + EVERY] <= 1 or comes_round(k, s, guard):
             if lacks_number(k, s, guard + GUARDED, k[guard + COUNT_READ]):
                 skip(k, s, guard)
@@ -195,7 +193,7 @@ def comes_round(k: Any, s: Any, guard: int) -> bool:
 
 @kernel
 def settle(k: Any, s: Any) -> None:
-    """Take the period of each axis back that has found something that is not a number."""
+    """Undo the period of each axis with a NaN result."""
     at = 1
     end = 1 + INSTRUCTION * k[0]
     guard = end + ALL_READ + k[end + COUNT_ALL] + 2 * k[end + COUNT_DRIVES]
@@ -208,7 +206,7 @@ def settle(k: Any, s: Any) -> None:
 
 @kernel
 def settle_one(k: Any, s: Any, guard: int) -> None:
-    """Take the period of an axis back unless all it has found are numbers, its memory finite."""
+    """Undo the period of an axis unless all its results are numbers, its memory finite."""
     drives = guard + GUARDED + k[guard + COUNT_READ]
     found = True
     for i in range(drives, drives + 2 * k[guard + COUNT_SENT], 2):
@@ -224,7 +222,7 @@ def settle_one(k: Any, s: Any, guard: int) -> None:
 
 @kernel
 def skip(k: Any, s: Any, guard: int) -> None:
-    """Count a skipped period of an axis, and send the values for it."""
+    """Count a skipped period of an axis, and output the values for it."""
     sends = guard + GUARDED + k[guard + COUNT_READ]
     for i in range(sends, sends + 2 * k[guard + COUNT_SENT], 2):
         s[k[i]] = s[k[i + 1]]
@@ -233,7 +231,7 @@ def skip(k: Any, s: Any, guard: int) -> None:
 
 @kernel
 def can_last(k: Any, s: Any, at: int) -> bool:
-    """Whether the signal that an instruction stores is a number, and its memory finite."""
+    """Whether the stored signal of an instruction is a number, and its memory finite."""
     operation, a, state = k[at], k[at + 2], k[at + 3]
     total = 0.0
     if operation == UPDATE:
@@ -248,7 +246,7 @@ def can_last(k: Any, s: Any, at: int) -> bool:
 
 @kernel
 def take_back(k: Any, s: Any, at: int) -> None:
-    """Restore the memory of an instruction to the period before."""
+    """Restore the memory of an instruction to that of the period before."""
     operation, a, state = k[at], k[at + 2], k[at + 3]
     if operation == UPDATE:
         before = k[a + FRAME_END] - 1 - state
@@ -270,7 +268,7 @@ def take_back(k: Any, s: Any, at: int) -> None:
 
 @kernel
 def unlearn(k: Any, s: Any, at: int, cell: int) -> None:
-    """Bring a table that learns back to the period before."""
+    """Restore a learning table to that of the period before."""
     replaced = k[at + REPLACED]
     if s[replaced + CORRECTED] >= 0.0:
         s[int(s[replaced + CORRECTED])] = s[replaced + VALUE_BEFORE]
@@ -283,7 +281,7 @@ def unlearn(k: Any, s: Any, at: int, cell: int) -> None:
 
 @kernel
 def run(k: Any, s: Any, begin: int, end: int) -> float:
-    """Carry out the instructions from one index of the code to another.
+    """Execute the instructions from one index of the code to another.
 
     Returns 0, or NaN where a value or a memory was an infinity or not a number; at times
     after an overflow of their sum alone.
@@ -294,10 +292,10 @@ def run(k: Any, s: Any, begin: int, end: int) -> float:
     single = s[SINGLE] != 0.0
     for at in range(begin, end, INSTRUCTION):
         operation, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
-        # Arithmetic has the first codes: a value of cells. Everything else may access lists and
+        # Arithmetic has the first codes: values of cells only. Other operations access lists and
         # state.
         if operation <= SUBTRACT_MULTIPLY:
-            # The value of the last instruction is at hand; its cell is not yet written.
+            # The value of the last instruction is in a register; its cell is not yet written.
             if a != before:
                 value = s[a]
             value = combined(operation, value, s[b], s[c])
@@ -315,7 +313,7 @@ def run(k: Any, s: Any, begin: int, end: int) -> float:
 
 @kernel
 def lacks_number(k: Any, s: Any, first: int, count: int) -> bool:
-    """Whether one of so many cells, listed in the code, is not a number."""
+    """Whether one of `count` cells, listed in the code, is NaN."""
     for i in range(first, first + count):  # noqa: SIM110 - a kernel has no generators
         if math.isnan(s[k[i]]):
             return True
@@ -379,7 +377,7 @@ def consulted(k: Any, s: Any, operation: int, a: int, b: int, c: int, single: bo
 
 @kernel
 def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
-    """Return a source's value in this period, which its new state follows."""
+    """Return a source's value in this period; store its new state after it."""
     filled, end = frame + k[at + FILLED], k[at + FRAME_END]
     for i in range(frame + 1, filled):
         s[i - frame - 1 + end] = s[i]
@@ -410,7 +408,7 @@ def limited(s: Any, x: float, state: int) -> float:
 
 @kernel
 def slewed(s: Any, x: float, state: int) -> float:
-    """Return x, or as near to it as the rate of change allows; a drive begins at 0."""
+    """Return x within the rate of change from the last value; a drive begins at 0."""
     before = s[state + LAST_DRIVE]
     most = s[state + STEEPEST] * s[PERIOD]
     y: float = min(max(x, before - most), before + most)
@@ -469,7 +467,7 @@ def infer(k: Any, s: Any, at: int, address: int) -> None:
 
 @kernel
 def learn(k: Any, s: Any, at: int, single: bool) -> int:
-    """Correct the cell of a table that was in use some periods ago; return the one of now.
+    """Correct the cell of a table used some periods ago; return the present one.
 
     Section 6.3: the whole performance value, times a rate, is added, and the cell bounded.
     """
@@ -485,7 +483,7 @@ def learn(k: Any, s: Any, at: int, single: bool) -> int:
     gain, bound = s[k[at + GAIN]], s[k[at + BOUND]]
     replaced = k[at + REPLACED]
     s[replaced + CORRECTED] = -1.0
-    if responsible >= 0.0 and gain != 0.0:  # none is, before the first delay is over
+    if responsible >= 0.0 and gain != 0.0:  # none before the first delay is over
         corrected = k[at + VALUES] + int(responsible)
         s[replaced + CORRECTED] = float(corrected)
         s[replaced + VALUE_BEFORE] = s[corrected]
@@ -496,6 +494,6 @@ def learn(k: Any, s: Any, at: int, single: bool) -> int:
         s[replaced + HEAD_BEFORE] = s[head]
         s[replaced + ENTRY_BEFORE] = s[oldest]
         s[oldest] = float(cell)
-        following = s[head] + 1.0  # a division by the delay would cost as much as all the rest
+        following = s[head] + 1.0  # a modulo would cost as much as all the rest
         s[head] = following if following < delay else 0.0
     return cell

@@ -44,7 +44,7 @@ class GainError(FuzzyarmError, ValueError):
 
 
 def unknown_gain(owner: str, gains: Iterable[str], name: str) -> GainError:
-    """Describe a gain that a controller does not have, with the nearest that it has."""
+    """Describe an unknown gain of a controller, with the nearest known one."""
     known = list(gains)
     names = ", ".join(dict.fromkeys(key.split(".")[0] for key in known)) or "none"
     hint = near_hint(name, known)[0] or f"its gains: {names}"
@@ -74,7 +74,7 @@ class Gain:
     bounds : pair of float, optional
         Smallest and largest value; by default anything below 1e12 in magnitude.
     places : int, optional
-        Number of values where one for all does not suffice; by default as many as it has.
+        Number of values, if one for all is not enough; by default the present number.
     """
 
     name: str
@@ -87,7 +87,7 @@ class Gain:
     places: int = 0
 
     def with_value(self, value: Sequence[float], origin: Origin = "given") -> Gain:
-        """Return the gain with another value; a single number serves all places.
+        """Return the gain with another value; a single number applies to all places.
 
         Raises
         ------
@@ -128,7 +128,7 @@ def collect(gains: Iterable[Gain]) -> dict[str, Gain]:
     return {gain.name: gain for gain in gains}
 
 
-# --- A control law: its kernel, its gains and how they go into arrays ---
+# --- A control law: its kernel, its gains and their arrays ---
 
 Kernel = Callable[..., Any]
 """From observation, constants, memory and links to the torque, N m."""
@@ -152,7 +152,7 @@ def view(array: NDArray[Any]) -> Any:
     """Return an array as plain numbers, for kernels that run interpreted; slices share memory."""
     try:
         return memoryview(array)  # type: ignore[arg-type]
-    except TypeError:  # arrays without NumPy, whose slices share memory, too
+    except TypeError:  # an array without NumPy: its slices share memory, too
         return array
 
 
@@ -162,7 +162,7 @@ def zeros(count: int) -> Pack:
 
 
 def pack_all(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
-    """Write down every gain in the order of its declaration."""
+    """Return every gain, in the order of declaration."""
     return [arithmetic.hold(value) for gain in gains.values() for value in gain.value]
 
 
@@ -178,7 +178,7 @@ def pack_gains(*names: str, model: bool = False) -> Pack:
 
 @dataclass(frozen=True)
 class Law:
-    """A control law that exists as a kernel.
+    """A control law as a kernel.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ class Law:
     remembers : bool, optional
         Whether the final memory is a result, or only scratch.
     at_signals : callable, optional
-        A kernel over the array of :func:`write_observation`, where `kernel` takes an observation.
+        A kernel over the array of :func:`write_observation`; `kernel` takes an observation.
     """
 
     name: str
@@ -230,7 +230,7 @@ def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain,
 
 
 def model_of(gains: Gains) -> ArmParameters:
-    """Put the model of :func:`model_gains` together again."""
+    """Return the model from the gains of :func:`model_gains`."""
     return ArmParameters(
         **{field.name: gains[f"model.{field.name}"].value[0] for field in fields(ArmParameters)}
     )
@@ -358,14 +358,14 @@ def law_integers(
 def law_kernel(
     now: Observation, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
-    """Leave the arm alone; the kernel of a law is bound to this name."""
+    """Return no torque; the kernel of a law is bound to this name."""
     return 0.0, 0.0
 
 
 def lacks_number(reference: Reference, state: State) -> bool:
     """Whether a reference or measured value is not a number.
 
-    In a loop none is: a run of the arm ends with the first one.
+    Never inside a loop: a run of the arm ends with the first one.
     """
     return any(math.isnan(x) for pair in (*reference, *state) for x in pair)
 
@@ -375,8 +375,8 @@ def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
 ) -> None:
     """Run an arm control law on one observation."""
-    # Back into named tuples, at no cost: in machine code they are registers, and the inlined law
-    # uses only some of them.
+    # Back into named tuples, at no cost: in machine code they are registers, and unused ones
+    # vanish.
     reference = Reference(
         (signals[3], signals[4]), (signals[5], signals[6]), (signals[7], signals[8])
     )
@@ -392,9 +392,9 @@ LAW_ARRAYS = "fffi"
 
 
 def law_address(law: Law, arithmetic: RunArithmetic) -> int:
-    """Return where the loop finds a law; each precision has its own.
+    """Return the address of a law for the loop; each precision has its own.
 
-    Bound for one precision: stored values need no test whether to round.
+    Bound for one precision: stored values need no test of rounding.
     """
     bindings: dict[str, Callable[..., object]] = {
         "stored": stored_single if arithmetic.single else stored_double

@@ -54,7 +54,7 @@ from fuzzyarm.table import Axis, LookupTable
 
 @dataclass(frozen=True)
 class Site:
-    """Where a controller runs.
+    """The plant of a controller, as seen from it.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Site:
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     model : InverseDynamics or None
-        That of a robot, for the laws of the study.
+        The model of a robot, for the laws of the study.
     """
 
     name: str
@@ -106,13 +106,13 @@ class Site:
             {
                 address: port.start
                 for address, port in drives.items()
-                # Each of several axes that share an input drives a part of it only.
+                # Each of several axes with a common input drives a part of it only.
                 if port.start is not None and shared[cells["drive"][address]] == 1
             },
         )
 
     def driven(self, model: ControllerModel) -> frozenset[Address]:
-        """Return the inputs that a controller drives."""
+        """Return the inputs driven by a controller."""
         return frozenset(self.find(model, "drive", port) for port in ports_of(model, "drive"))
 
     def find(self, model: ControllerModel, kind: str, address: Address) -> Address:
@@ -135,7 +135,7 @@ class Site:
         free = [name for name in names if name not in used_ports] or names
         what = "drive" if kind == "drive" else f"{kind} value"
         hint, likely = f"it has {', '.join(names)}", near(named, free)
-        # A name of the plant needs no connection: it was connected to something else.
+        # The name exists on the plant: it was connected to another port.
         if likely != port:
             hint += f"; --connect {port}={likely} joins them"
         raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
@@ -145,7 +145,7 @@ class Site:
         return self._joined(model, address) in self._ports(kind)
 
     def _joined(self, model: ControllerModel, address: Address) -> Address:
-        """Return axis and port that a controller refers to, whether or not the plant has them."""
+        """Return axis and port behind a name of the controller, present on the plant or not."""
         axis, port = address
         joined = self.connect.get(axis, axis)
         axis = joined if joined in self.interface.axes else axis
@@ -166,12 +166,12 @@ class Site:
 
 
 def near(word: str, names: list[str]) -> str:
-    """Return the name that looks most like a word, or the first."""
+    """Return the most similar name, or the first."""
     return near_hint(word, names)[1] or names[0]
 
 
 def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
-    """Describe a plant as a controller finds it."""
+    """Describe a plant as the site of a controller."""
     extra = plant.particulars.extra
     model = getattr(plant, "inverse_dynamics", None)
     return Site(plant.name, interface_of(plant), extra, dict(connect or {}), model)
@@ -222,7 +222,7 @@ def drives_of_text(
     cells = memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]]
     step_on(board[0:observation_end], laws[laws[1 + LINKS] : laws[1 + LINKS_END]], cells)
     for i in range(size):
-        drives[i] = 0.0 + cells[observation_end + size + i]  # the sum of one: 0 has no sign
+        drives[i] = 0.0 + cells[observation_end + size + i]  # a sum of one: no -0.0
 
 
 @kernel
@@ -248,10 +248,10 @@ def text_kernel(
 
 
 class FindLaw(Protocol):
-    """From the name of a law of the catalogue to its controller."""
+    """The controller of a catalogue law, by name."""
 
     def __call__(self, law: str, /) -> CompiledController:
-        """Return it with its gains."""
+        """Return the controller with its gains."""
 
 
 @dataclass(frozen=True)
@@ -261,15 +261,15 @@ class TextLaw(Law):
     Attributes
     ----------
     text : ControllerText
-        Which.
+        The controller.
     site : Site
-        Where it runs.
+        The plant, as its site.
     find_law : callable
         From the name of a partner to its law.
     program : callable
         From the arithmetic of a run to the program of the kernel.
     partners : callable
-        Gives the controllers that it names.
+        The controllers of its partners.
     """
 
     text: ControllerText = field(kw_only=True)
@@ -329,7 +329,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
         return [float(site.observation_end), float(len(site.interface.inputs)), *powered]
 
     def remember(chosen: Gains, arithmetic: RunArithmetic) -> NDArray[np.float64]:
-        # Gains of the text depend on the run's π; given ones are used as they are.
+        # Gains of the text depend on the run's π; replaced ones do not.
         numbers = {
             gain.name: chosen[gain.name].value
             for gain in gains
@@ -395,19 +395,19 @@ def require_for_laws(what: str, site: Site) -> None:
 
 
 def connectable(controller: Controller) -> set[str]:
-    """Return the axes and ports of a controller as text that may be connected to a plant."""
+    """Return the axes and ports of a controller as text, which may be connected to a plant."""
     law = text_law_of(controller)
     return set() if law is None else connectable_names(law.text.model)
 
 
 def connectable_names(model: ControllerModel) -> set[str]:
-    """Return the axes and ports of a text that may be connected to a plant."""
+    """Return the axes and ports of a text, which may be connected to a plant."""
     ports = [port for kind in PORT_KINDS for port in ports_of(model, kind)]
     return {*model.axis_names, *(name for _, name in ports), *map(".".join, ports)}
 
 
 def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
-    """Return the inputs of a plant that a controller drives."""
+    """Return the inputs of a plant driven by a controller."""
     cells: set[Address] = set()
     for part in controller.parts():
         law = text_law_of(part)
@@ -419,13 +419,13 @@ def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
 
 
 def driven_plainly(site: Site) -> frozenset[Address]:
-    """Return the inputs for laws and controllers in Python: torques, if the plant has some."""
+    """Return the inputs for laws and controllers in Python: the torques, if any."""
     efforts = EFFORTS if site.model is not None else ("torque",)
     torques = frozenset(port for port in site.interface.inputs if port[1] in efforts)
     return torques or frozenset(site.interface.inputs)
 
 
-# --- How often it runs ---
+# --- Timing ---
 
 
 def own_timing(controller: Controller) -> Timing | None:
@@ -434,7 +434,7 @@ def own_timing(controller: Controller) -> Timing | None:
     for part in controller.parts():
         model = timed(part)
         if model is not None:
-            # As decimal numbers: five periods of 0.6 ms are 3 ms to the last bit.
+            # As decimals: five periods of 0.6 ms are exactly the float of 3 ms.
             set_point = float(Decimal(repr(model.period)) * model.every)
             timings.setdefault(Timing(set_point, model.every), model)
     if len(timings) > 1:
@@ -479,7 +479,7 @@ def timed(part: Controller) -> Timed | None:
 
 
 def timing_words(model: Timed) -> str:
-    """Return how often a controller runs, in words."""
+    """Return the timing of a controller in words."""
     return f"a period of {model.period:g} s with a set point every {model.every}"
 
 
@@ -492,7 +492,7 @@ def timing_on(controller: Controller, site: Site) -> Timing:
     return timing or STUDY_TIMING
 
 
-# --- Where its drives end ---
+# --- Limits of its drives ---
 
 Limits = tuple[float, float]
 
@@ -582,7 +582,7 @@ class LearnedTables:
     values : ndarray, shape (axes of the controller, levels of each input …)
         One table for each axis.
     visits : ndarray of int64, same shape
-        How often each cell was used.
+        Number of uses of each cell.
     """
 
     axes: tuple[Axis, ...]
@@ -590,18 +590,18 @@ class LearnedTables:
     visits: NDArray[np.int64]
 
     def readable(self, *, single: bool) -> LearnedTables:
-        """Return the tables without the last digits that only rounding made.
+        """Return the tables without last digits from rounding.
 
         Parameters
         ----------
         single : bool
-            Whether they were kept in single precision; 6 decimals are kept then, otherwise 12.
+            Whether they were stored in single precision; then 6 decimals stay, otherwise 12.
         """
         decimals = 6 if single else 12
         return replace(self, values=np.round(self.values, decimals) + 0.0)  # + 0.0: no -0
 
     def pages(self, last: NDArray[np.int64] | None = None) -> list[tuple[Any, Any]]:
-        """Return values and visits of each axis as rows and columns, to be drawn.
+        """Return values and visits of each axis as rows and columns, for a picture.
 
         For a table over more than two inputs, the most visited page.
 
@@ -622,7 +622,7 @@ class LearnedTables:
         return tables
 
     def tables(self, like: LookupTable) -> list[LookupTable]:
-        """Return the table of each axis of the controller; the rest as `like` has it."""
+        """Return the table of each axis of the controller; everything else from `like`."""
         return [replace(like, axes=self.axes, values=value) for value in self.values]
 
     def table(self, like: LookupTable) -> LookupTable:
@@ -633,7 +633,7 @@ class LearnedTables:
 
 
 def learned(law: TextLaw, arithmetic: RunArithmetic, memory: Any = None) -> LearnedTables:
-    """Read the first table that learns from the memory of a law.
+    """Read the first learning table from the memory of a law.
 
     Parameters
     ----------

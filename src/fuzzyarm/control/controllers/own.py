@@ -70,7 +70,7 @@ def find_controller(
     words = [part.strip() for part in name.split("+")]
     if name in CATALOGUE or not any(map(_is_file, words)):
         return controller(name, start=start, variant=variant, sources=sources)
-    # The name of one file may have a plus sign.
+    # The name of a single file may contain a plus sign.
     if len(words) == 1 or Path(name).exists() or not all(map(_is_there, words)):
         return _part(name, choice)
     entries = [entry for word in words if not _is_file(word) for entry in entries_of(word)]
@@ -93,7 +93,7 @@ def find_controllers(
 
 
 def name_apart(names: Sequence[str], controllers: Sequence[Controller]) -> None:
-    """Give controllers of one name that of their files, as far as these differ."""
+    """Give controllers of one name distinct names: the ends of their paths."""
     names_by_law: dict[str, set[str]] = {}
     for name, law in zip(names, controllers, strict=True):
         names_by_law.setdefault(law.name, set()).add(name)
@@ -104,7 +104,7 @@ def name_apart(names: Sequence[str], controllers: Sequence[Controller]) -> None:
 
 
 def _shortest(path: str, others: Collection[str]) -> str:
-    """Return the end of a path that no other path has."""
+    """Return the shortest end of a path that distinguishes it from the others."""
     parts = Path(path).parts
     for count in range(1, len(parts)):
         if all(other == path or Path(other).parts[-count:] != parts[-count:] for other in others):
@@ -135,7 +135,7 @@ def load_own(place: str) -> Controller:
     """Load ``FILE.py`` or ``FILE.py:CLASS``; the file is executed."""
     path, _, class_name = place.partition(":")
     module = executed(path, _fault(path))
-    # Only classes that the file defines: it may import others, Controller itself among them.
+    # Only classes defined in the file: it may import others, such as Controller.
     classes = {
         key: value
         for key, value in vars(module).items()
@@ -162,7 +162,7 @@ class GuardedController(Controller):
     """A user's controller, with exceptions turned into one clear sentence."""
 
     def __init__(self, inner: Controller, path: str) -> None:
-        # Copied, since the base class has defaults of its own for them.
+        # Copied: the base class would give its own defaults.
         self.inner = inner
         self.path = path
         self.name, self.period, self.every = inner.name, inner.period, inner.every

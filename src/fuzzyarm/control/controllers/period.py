@@ -51,7 +51,7 @@ T = TypeVar("T")
 
 
 class PortValue(NamedTuple):
-    """A value that a controller reads: ``reference`` or ``measured``, by axis and port."""
+    """An input of a controller: ``reference`` or ``measured``, by axis and port."""
 
     kind: str
     axis: str
@@ -59,19 +59,19 @@ class PortValue(NamedTuple):
 
 
 class Remembered(NamedTuple):
-    """A number that one period leaves for the next.
+    """A state: a number carried from one period to the next.
 
     Attributes
     ----------
     axis, of : str
-        The axis, and the signal or the port of a drive that it belongs to.
+        Its axis, and its signal or the port of its drive.
     what : str
         The state of the source; ``slew``, ``excess``, ``last`` value of a drive; ``held`` of a
         rule base; ``seen`` of a signal that other axes read.
     start : float
         Initial value; NaN if there is none yet.
     line : int
-        Of a drive, since a port may have several; else 0.
+        Line of a drive, since a port may have several; else 0.
     """
 
     axis: str
@@ -87,14 +87,14 @@ class Remembered(NamedTuple):
 
 
 class Guard(NamedTuple):
-    """An axis, and when it is skipped.
+    """An axis, and the condition of a skipped period.
 
     Attributes
     ----------
     axis : str
         Its name.
     reads : tuple of PortValue
-        Where one is not a number, the period is skipped.
+        If one is NaN, the period is skipped.
     idle : dict of str to float
         Value of each drive before the first period.
     sent : dict of str to float or None
@@ -111,8 +111,8 @@ class Guard(NamedTuple):
 class Found(Generic[T]):
     """The results of an axis in one period.
 
-    The period is skipped, as one whose values are not numbers, where a signal or a drive is not a
-    number or a memory not finite.
+    The period is skipped, like one with NaN inputs, if a signal or a drive is NaN or a memory not
+    finite.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class Update(Generic[T]):
 
     @cached_property
     def x(self) -> T:
-        """The value that it is taken of."""
+        """The value of its operand."""
         return self.period.taken_of(self.source)
 
     @cached_property
@@ -193,7 +193,7 @@ class Call(Generic[T]):
     name : str
         In the text.
     sheet : RuleBase, LookupTable or None
-        None where it could not be read.
+        None if unreadable.
     signals, arguments : sequence
         Names and values.
     learner : Learn or None
@@ -213,7 +213,7 @@ class Call(Generic[T]):
         return [self.period.operand(name) for name in self.signals]
 
     def inputs(self, names: Sequence[str]) -> dict[str, T]:
-        """Return the inputs by the names of the sheet; one called `AXIS` has the axis' number."""
+        """Return the inputs by the names of the sheet; one called `AXIS` is the axis' number."""
         waiting = iter(self.arguments)
         return {
             name: self.period.algebra.number(self.period.index + 1.0)
@@ -223,7 +223,7 @@ class Call(Generic[T]):
         }
 
     def lattice(self) -> LookupTable:
-        """Return the table, or its part for this axis; SourceError where it has none."""
+        """Return the table, or its part for this axis; SourceError without one."""
         if not isinstance(self.sheet, LookupTable):
             raise SourceError(f"'{self.name}' is a rule base: write rules {self.name}(…)")
         axes, values = of_axis(self.sheet, self.period.index)
@@ -232,7 +232,7 @@ class Call(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class Lesson(Generic[T]):
-    """A line that teaches: the look-ups in the learning and in the performance table."""
+    """A line that teaches: its look-ups in the learning and in the performance table."""
 
     line: Learn
     table: Call[T]
@@ -240,7 +240,7 @@ class Lesson(Generic[T]):
 
     @property
     def rate(self) -> T:
-        """The share of the performance value that corrects."""
+        """The share of the performance value in a correction."""
         return self.table.period.operand(self.line.rate)
 
     @property
@@ -259,7 +259,7 @@ class Algebra(Generic[T]):
     # --- numbers ---
 
     def number(self, value: float) -> T:
-        """Return a number of the text: the double that it is."""
+        """Return a number of the text, exactly its double."""
         raise NotImplementedError
 
     def add(self, a: T, b: T) -> T:
@@ -283,7 +283,7 @@ class Algebra(Generic[T]):
         raise NotImplementedError
 
     def excess(self, value: T, x: T, low: float, high: float) -> T:
-        """Return how far a limit has moved x, to a value."""
+        """Return the change of x by a limit, to a value."""
         return self.subtract(value, x)
 
     def near(self, x: T, before: T, most: float) -> T:
@@ -305,11 +305,11 @@ class Algebra(Generic[T]):
     # --- parts of sums ---
 
     def negated(self, x: T) -> T:
-        """Return ``0 - x``, as a sum that begins with a minus has it."""
+        """Return ``0 - x``, the beginning of a sum with a minus."""
         return self.subtract(self.number(0.0), x)
 
     def gain(self, gain: GainModel, index: int) -> T:
-        """Return a gain of an axis; `index` is 0 where all axes share it."""
+        """Return a gain of an axis; `index` is 0 if all axes share it."""
         return self.number(gain.values[index].value(math.pi))
 
     def unknown(self, name: str) -> T:
@@ -329,7 +329,7 @@ class Algebra(Generic[T]):
         return self.number(float(every == 1))
 
     def rounded(self, value: T) -> T:
-        """Return a value as signals are stored."""
+        """Return a value rounded for storage."""
         return value
 
     def hold(self, value: float) -> float:
@@ -337,7 +337,7 @@ class Algebra(Generic[T]):
         return value
 
     def source(self, update: Update[T]) -> T:
-        """Return the value of a source, and have its states remembered."""
+        """Return the value of a source, and remember its states."""
         kind = update.kind
         if kind.function is None:
             return update.x
@@ -401,7 +401,7 @@ class Algebra(Generic[T]):
         return self.number(0.0 if math.isnan(cell.start) else cell.start)
 
     def remember(self, cell: Remembered, value: T) -> T:
-        """Return a value as the next period finds it."""
+        """Return a value as stored for the next period."""
         return value
 
     def signal(self, axis: str, name: str, value: T, *, rounded: bool = True) -> T:
@@ -423,7 +423,7 @@ class Algebra(Generic[T]):
         return None
 
     def ran(self, guard: Guard, found: Found[T]) -> dict[str, T] | None:
-        """Return the drives of an axis whose period turns out to be skipped; None: it counts."""
+        """Return the drives of an axis skipped after its run; None keeps its results."""
         return None
 
 
@@ -442,7 +442,7 @@ class ControlPeriod(Generic[T]):
     cells : dict of str to Remembered
         Its memory.
     axes, axis, index, line
-        While it runs: the block of axes, the axis, its number, and the line.
+        During the walk: the block of axes, the axis, its number, and the line.
     signals : dict
         Signals of this axis.
     first : bool or None
@@ -459,7 +459,7 @@ class ControlPeriod(Generic[T]):
 
     @property
     def every(self) -> float:
-        """Time from one run of the axis at hand to the next, s."""
+        """Time between two runs of the current axis, s."""
         return self.axes.every * self.model.period
 
     def run(
@@ -471,7 +471,7 @@ class ControlPeriod(Generic[T]):
         only: Collection[str] | None = None,
         number: int = 0,
     ) -> tuple[dict[tuple[str, str], T], dict[str, T]]:
-        """Do one period.
+        """Walk one period.
 
         Parameters
         ----------
@@ -484,7 +484,7 @@ class ControlPeriod(Generic[T]):
         only : collection of str, optional
             Some of the axes.
         number : int, optional
-            Number of the period, on which it depends which axes run; in period 0 all do.
+            Number of the period, for axes with rates of their own; all run in period 0.
 
         Returns
         -------
@@ -512,11 +512,11 @@ class ControlPeriod(Generic[T]):
         return self.cells[f"{self.axis}.{port} last"]
 
     def _stay(self) -> None:
-        """Leave the memory of the axis at hand as it was."""
+        """Keep the memory of the current axis."""
         self._after |= {c.name: self.state(c) for c in self.cells.values() if c.axis == self.axis}
 
     def _leave(self, drives: Mapping[str, T]) -> None:
-        """Leave what was sent."""
+        """Store the sent drives."""
         for port in self.axes.remembered_drives():
             self.remember(self._last(port), drives[port])
 
@@ -580,13 +580,13 @@ class ControlPeriod(Generic[T]):
         return Remembered(axis, port, "last", idle)
 
     def state(self, cell: Remembered) -> T:
-        """Return a memory as the last period left it."""
+        """Return a state from the last period."""
         if cell.name in self._before:
             return self._before[cell.name]
         return self.algebra.begins(self.cells[cell.name])
 
     def remember(self, cell: Remembered, value: T) -> None:
-        """Leave a memory for the next period."""
+        """Store a state for the next period."""
         self._after[cell.name] = self.algebra.remember(cell, value)
 
     # --- lines ---
@@ -638,7 +638,7 @@ class ControlPeriod(Generic[T]):
         self._drives[line.port] = value if earlier is None else algebra.add(earlier, value)
 
     def sum(self, products: Sequence[Product]) -> T:
-        """Return a sum of products, in the order in which the program adds them."""
+        """Return a sum of products, added in the order of the program."""
         total: T | None = None
         for product in products:
             first, *others = product.factors
@@ -651,7 +651,7 @@ class ControlPeriod(Generic[T]):
         return self.algebra.number(0.0) if total is None else total
 
     def _scaled(self, value: T, factors: Iterable[Factor]) -> T:
-        """Return a value times (or over) factors, from left to right."""
+        """Return a value times (or divided by) factors, from left to right."""
         for factor in factors:
             apply = self.algebra.divide if factor.divides else self.algebra.multiply
             value = apply(value, self.operand(factor.value))
@@ -674,7 +674,7 @@ class ControlPeriod(Generic[T]):
     # --- sources, rule bases, tables ---
 
     def taken_of(self, source: Source) -> T:
-        """Return the signal or the value of a port that a source is taken of."""
+        """Return the operand of a source: a signal or the value of a port."""
         kinds = source.record.ports
         if not kinds:
             return self.operand(source.name)
@@ -693,7 +693,7 @@ class ControlPeriod(Generic[T]):
         products = self.axes.gain_of(line.names[0], drive, self.gains)
         if not products:
             return self.algebra.number(1.0 if products is None else 0.0)
-        # A product begins with a factor that multiplies.
+        # The first factor of a product multiplies; only later ones divide.
         return self.sum(
             [
                 product
@@ -704,7 +704,7 @@ class ControlPeriod(Generic[T]):
         )
 
     def sheet(self, name: str, index: int) -> Sheet | None:
-        """Return the rule base or table of an axis; None where it could not be read."""
+        """Return the rule base or table of an axis; None if unreadable."""
         sheets = self.text.sheets.get(name)
         return sheets[index if len(sheets) > 1 else 0] if sheets else None
 
@@ -727,7 +727,7 @@ def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> Guard:
 
 
 def _last_held(algebra: Algebra[T], call: Call[T], index: int, value: T) -> T:
-    """Return an output that holds its value where no rule fires, and have it remembered."""
+    """Return an output that holds its value if no rule fires, and remember it."""
     cell = _held_by(call.period.axis, call.line, index)
     value = algebra.held(value, call.period.state(cell))
     call.period.remember(cell, value)
@@ -774,9 +774,9 @@ def seen(root: Node, kind: SourceKind, first: bool | None) -> Node:
 
 @cache
 def zoomed(times: tuple[int, ...], *, wait: bool) -> tuple[Node, ...]:
-    """Return the magnified ``signal 0`` …: while all are ``inside`` the window.
+    """Return the magnified ``signal 0`` …, valid while all are ``inside`` the window.
 
-    A signal that the line names several times is magnified as often.
+    A signal named several times in the line is magnified as often.
     """
     signals = [symbol(f"signal {k}") for k in range(len(times))]
     by, inside = symbol("by"), symbol("inside")

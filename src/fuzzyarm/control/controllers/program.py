@@ -1,4 +1,4 @@
-"""A controller as text, written down for its kernel: cells and instructions.
+"""A controller as text in the form of its kernel: cells and instructions.
 
 Their layout is described in :mod:`fuzzyarm.control.controllers.kernel`.
 """
@@ -54,16 +54,16 @@ def write_down(
     wiring: Wiring,
     arithmetic: RunArithmetic,
 ) -> ControllerCode:
-    """Write a controller down.
+    """Assemble the cells and instructions of a controller.
 
     Parameters
     ----------
     model : ControllerModel
         Without mistakes.
     sheets : mapping
-        The rule bases and tables that it uses, one for all axes or one for each.
+        Its rule bases and tables, one for all axes or one for each.
     partners : mapping
-        Address and arrays of the laws that it names.
+        Address and arrays of its partner laws.
     wiring : Wiring
         Cells of the plant's ports.
     arithmetic : RunArithmetic
@@ -72,7 +72,7 @@ def write_down(
     Raises
     ------
     SourceError
-        If a rule base or a table does not serve.
+        If a rule base or a table is unsuitable.
     """
     return _Writer(model, sheets, partners, wiring, arithmetic).program()
 
@@ -108,7 +108,7 @@ class _Writer:
         self.arithmetic = arithmetic
         self.code: list[int] = []
         self.lists: list[int] = []
-        self.list_fields: list[int] = []  # positions in the code of the begins of lists
+        self.list_fields: list[int] = []  # positions in the code of the list addresses
         self.cells: list[float] = [0.0] * wiring.size
         self.parts: list[NDArray[np.float64]] = []  # blocks, after the cells
         self.parts_size = 0
@@ -130,13 +130,13 @@ class _Writer:
         self.drives = self._drive_cells()
         self.last_drives: dict[int, int] = {}  # by the cell of a drive, that of its last value
         self.seen_cells: dict[tuple[str, str], int] = {}  # last values of signals read elsewhere
-        self.scratch = self._cell(0.0)  # of values that have no name
+        self.scratch = self._cell(0.0)  # of unnamed values
         self.axis = ""
         self.index = 0
         self.every = 1
 
     def program(self) -> ControllerCode:
-        """Write everything down."""
+        """Assemble everything."""
         self._write_gains()
         self._write_partners()
         first: set[int] = set()
@@ -159,7 +159,7 @@ class _Writer:
     # --- The guard of an axis ---
 
     def _drive_cells(self) -> dict[tuple[str, str], int]:
-        """Return the cells of the drives; axes with an input in common have their own."""
+        """Return the cells of the drives; axes with a common input have their own."""
         wired = self.wiring.drives
         shared = Counter(wired.values())
         return {
@@ -168,7 +168,7 @@ class _Writer:
         }
 
     def _join_drives(self) -> None:
-        """Add up the drives of axes with an input in common."""
+        """Add up the drives of axes with a common input."""
         begun: set[int] = set()
         for address, cell in self.wiring.drives.items():
             own = self.drives[address]
@@ -177,18 +177,18 @@ class _Writer:
                 begun.add(cell)
 
     def _keep(self, axes: Axes) -> None:
-        """Keep a value that is read elsewhere or later; it has to be finite."""
+        """Store the last value of a signal or drive read elsewhere or later; it must be finite."""
         for signal in self.model.seen_elsewhere(self.axis):
             state = self._cell(0.0, math.inf, 0.0)
             self._do(to.SLEW, self._cell(0.0), self.signal_cells[self.axis, signal], state)
             self.seen_cells[self.axis, signal] = state + to.LAST_DRIVE
         for port in axes.remembered_drives():
             cell = self.drives[self.axis, port]
-            self._do(to.SUBTRACT, self._cell(0.0), cell, cell)  # not a number where infinite
+            self._do(to.SUBTRACT, self._cell(0.0), cell, cell)  # NaN if infinite
             self.code[-1] = 1
 
     def _guard(self, axes: Axes, begin: int) -> None:
-        """Put the instructions of an axis into a guard."""
+        """Add the guard of an axis around its instructions."""
         reads = tuple(
             cells[self.axis, port]
             for cells, kind in (
@@ -227,8 +227,8 @@ class _Writer:
 
     def _finished(self) -> ControllerCode:
         guards = self._guard_list()
-        # Lists and blocks were addressed relative to their own begin. Their bases are known now:
-        # lists follow the count, the instructions and the guards; blocks follow the cells.
+        # Lists and blocks were addressed from their own base, known only now: lists follow the
+        # count, the instructions and the guards; blocks follow the cells.
         begin = 1 + len(self.code) + len(guards)
         for field in self.list_fields:
             self.code[field] += begin
@@ -265,7 +265,7 @@ class _Writer:
         return self.numbers[value]
 
     def _do(self, operation: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
-        """Add an instruction, or make it one with that before it; return the cell it fills."""
+        """Add an instruction, or fuse it with the one before; return the target cell."""
         before = self.code[-to.INSTRUCTION :]
         # Two instructions through the scratch cell fuse into one, unless the first rounds its
         # result: fused, that rounding would be lost.
@@ -277,7 +277,7 @@ class _Writer:
         return into
 
     def _move(self, into: int, cell: int, *, rounded: bool) -> None:
-        """Move a value to another cell; the last instruction writes it there directly."""
+        """Move a value to another cell; if possible the last instruction writes there directly."""
         # Of the last instruction code[-5] is the target and code[-1] the rounding flag.
         if cell != self.scratch or self.code[-5] != cell:
             self._do(to.COPY, into, cell)
@@ -447,7 +447,7 @@ class _Writer:
         products = axes.gain_of(line.names[0], drive, self.gains)
         if not products:
             return self._number(1.0 if products is None else 0.0)
-        # A product begins with a factor that multiplies.
+        # The first factor of a product multiplies; only later ones divide.
         whole = [
             product
             if product.factors and not product.factors[0].divides
@@ -497,7 +497,7 @@ class _Writer:
         rulebase = self._sheet(source.name)
         if not isinstance(rulebase, RuleBase):
             raise SourceError(f"'{source.name}' is a table: write table {source.name}(…)")
-        # All axes may use one rule base: it is laid out once, and copied for each of them.
+        # All axes may use one rule base: laid out once, copied for each.
         if id(rulebase) not in self.blocks:
             block = rule_block(rulebase, compiled=self.arithmetic.compiled)
             self.blocks[id(rulebase)] = block
@@ -506,7 +506,7 @@ class _Writer:
         self.parts.append(numbers)
         self.parts_size += len(numbers)
         holds = [output.no_rule == "hold" for output in rulebase.outputs]
-        # Before a rule has fired there is no value to hold.
+        # Before a rule fires there is no value to hold.
         results = [
             self._cell(math.nan, math.nan) if holds_output else self._cell(0.0)
             for holds_output in holds
@@ -535,7 +535,7 @@ class _Writer:
             self._store(name, self._factors(cell, product.factors))
 
     def _inputs(self, rulebase: RuleBase, names: Sequence[str]) -> list[int]:
-        """Return the cells of a rule base's inputs; one called `AXIS` has the axis' number."""
+        """Return the cells of a rule base's inputs; one called `AXIS` is the axis' number."""
         waiting = iter(names)
         cells = []
         for variable in rulebase.inputs:
@@ -584,7 +584,7 @@ class _Writer:
         self.learned[self.axis, line.table] = Place(place.values, visits, place.count)
 
     def _place(self, name: str) -> Place:
-        """Write a table down, once for each axis."""
+        """Write a table, once for each axis."""
         key = (name, self.index)
         if key not in self.tables:
             table = self._sheet(name)
@@ -603,7 +603,7 @@ class _Writer:
 def skipped_drives(
     axes: Axes, hold: Callable[[float], float], event: str = "nan"
 ) -> dict[str, tuple[float, float | None]]:
-    """Return of each port its value before the first period, and that in an event.
+    """Return for each port its value before the first period, and that in an event.
 
     Parameters
     ----------
@@ -617,7 +617,7 @@ def skipped_drives(
     Returns
     -------
     dict
-        None as the second value is the last one before.
+        None as the second value means the last one.
     """
     drives: dict[str, tuple[float, float | None]] = {}
     for line in axes.lines:
@@ -631,7 +631,7 @@ def skipped_drives(
 
 
 def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:
-    """Return axes and values of a table; of one over all axes the part of one axis."""
+    """Return axes and values of a table; of a table over all axes the part of one."""
     axes = [table.axis(name) for name in table.names]
     if AXIS not in table.names:
         return axes, np.asarray(table.values)

@@ -1,4 +1,4 @@
-"""Where each signal of a controller can be: a control period over ranges, from the ports on.
+"""The range of each signal of a controller: a control period over intervals, from the ports on.
 
 Safe, not tight: signals count as independent. A signal without bounds has an infinite range.
 """
@@ -46,7 +46,7 @@ the plant (measured and reference values), or the text alone."""
 
 @dataclass(frozen=True)
 class Reach:
-    """Where a signal can be.
+    """The range of a signal.
 
     Attributes
     ----------
@@ -58,19 +58,19 @@ class Reach:
     kept : int
         `FED_BACK`, `PORT` or `MADE`.
     unit : dict or None
-        None where it is not certain.
+        None if uncertain.
     origins : frozenset of str
-        The values on which it depends.
+        The port values and sources on which it depends.
     tight : bool
-        Whether it can reach its ends: false for a sum whose terms share an origin, as ``r - lag``,
-        which may cancel.
+        Whether it can reach its ends: false for a sum of terms with a common origin, which may
+        cancel, as ``r - lag``.
     scaled : bool
         Whether a gain with a unit is among its factors.
     name : str
-        Name of a signal or a gain, while a line reads it.
+        Name of a signal or a gain in the current line.
     plain : bool
-        Whether it takes the unit of what it is added to: a number of the text. Of an output of
-        rules without a described unit, whether it takes that of a gain such as 6 V.
+        Whether it adopts the unit of its summands: a number of the text. For an output of rules
+        without a unit, whether it adopts that of a gain such as 6 V.
     """
 
     at: Interval = EVERYTHING
@@ -97,7 +97,7 @@ class LookUp:
     sheet_unit : dict or None
         Unit of the input by its description; None if unknown.
     line : SignalLine or Learn
-        Where.
+        The line of the look-up.
     """
 
     axes: Axes
@@ -111,10 +111,10 @@ class LookUp:
 
 @dataclass(frozen=True)
 class Meeting:
-    """A product in which a unit meets one of its kind: `name` is the factor that brings it.
+    """A product of two units of one kind: `name` is the factor with the second one.
 
-    `option` names it if it is not a factor: then the whole unit has to cancel. Without a name it is
-    a sum, whose terms need one unit.
+    `option` names an option instead of a factor: then the whole unit has to cancel. Without a name
+    it is a sum: its terms need one unit.
     """
 
     name: str
@@ -137,9 +137,9 @@ class Reaches:
     look_ups : list of LookUp
         In the order of the text.
     drives : dict
-        By axis and port, its lines and where each can be, limits included.
+        By axis and port: its lines and their ranges, limits included.
     meetings : list of Meeting
-        Products of units, by which gains are judged.
+        Products of units, to judge gains.
     """
 
     signals: dict[tuple[str, str], Reach] = field(default_factory=dict)
@@ -155,7 +155,7 @@ def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
     Parameters
     ----------
     text : ControllerText
-        With the rule bases and tables that could be read.
+        With its readable rule bases and tables.
     site : Site or None
         The plant, if known.
     """
@@ -168,7 +168,7 @@ def combine(operation: str, a: Interval, b: Interval) -> Interval:
 
 
 def hull(*intervals: Interval) -> Interval:
-    """Return the smallest interval around some."""
+    """Return the smallest interval around some intervals."""
     return Interval(
         min(interval.low for interval in intervals), max(interval.high for interval in intervals)
     )
@@ -180,7 +180,7 @@ def overlap(a: Interval, b: Interval) -> Interval:
 
 
 def width(interval: Interval) -> float:
-    """Return how wide an interval is, 0 where its ends cross."""
+    """Return the width of an interval, 0 if its ends cross."""
     return max(0.0, interval.high - interval.low)
 
 
@@ -190,7 +190,7 @@ def largest(interval: Interval) -> float:
 
 
 def symmetric(size: float) -> Interval:
-    """Return the interval of all magnitudes up to a size."""
+    """Return the interval of all values up to a magnitude."""
     return Interval(-size, size)
 
 
@@ -225,7 +225,7 @@ class Ranges(Algebra[Reach]):
         return Reach(at, 0.0, MADE, unit, scaled=unit is not None, name=gain.name)
 
     def unknown(self, name: str) -> Reach:
-        """Return everything."""
+        """Return the infinite range."""
         return Reach()
 
     def add(self, a: Reach, b: Reach) -> Reach:
@@ -248,7 +248,7 @@ class Ranges(Algebra[Reach]):
         )
 
     def negated(self, x: Reach) -> Reach:
-        """Return the range below 0 of one above, and the other way round."""
+        """Return the mirrored range."""
         return replace(x, at=Interval(-x.at.high, -x.at.low))
 
     def subtract(self, a: Reach, b: Reach) -> Reach:
@@ -301,7 +301,7 @@ class Ranges(Algebra[Reach]):
     # --- notes ---
 
     def walk(self) -> Reaches:
-        """Go over all lines."""
+        """Walk over all lines."""
         self.period = ControlPeriod(self.text, self)
         ports = (
             PortValue(kind, *address)
@@ -310,13 +310,13 @@ class Ranges(Algebra[Reach]):
         )
         given = {value: self._of_port(value) for value in ports}
         self.period.run(given, {})
-        if any(ports_of(self.text.model, "driven")):  # which may be anything so far
+        if any(ports_of(self.text.model, "driven")):  # infinite at first
             self.sent, self.reaches = self.reaches.drives, Reaches()
             self.period.run(given, {})
         return self.reaches
 
     def begins(self, cell: Remembered) -> Reach:
-        """Return the range of a memory: of what was sent, that of the drive and its start."""
+        """Return the range of a memory; of a sent value, that of the drive and its start."""
         if cell.what != "last":
             return super().begins(cell)
         drives = [reach for _, reach in self.sent.get((cell.axis, cell.of), [])]
@@ -332,7 +332,7 @@ class Ranges(Algebra[Reach]):
 
     def drive(self, axis: str, line: Drive, value: Reach) -> Reach:
         """Note a drive."""
-        if isinstance(line.on_nan, float):  # in a period in which something is not a number
+        if isinstance(line.on_nan, float):  # the value in a skipped period
             sent = hull(value.at, Interval(line.on_nan, line.on_nan))
         else:
             sent = value.at
@@ -343,7 +343,7 @@ class Ranges(Algebra[Reach]):
     # --- sources ---
 
     def compared(self, reference: Reach, measured: Reach, weight: Reach | None) -> Reach:
-        """Return the range of an error; the jumps of a reference are left out of its pace."""
+        """Return the range of an error; its pace excludes jumps of a reference."""
         share = Interval(1.0, 1.0) if weight is None else weight.at
         at = combine("subtract", combine("multiply", reference.at, share), measured.at)
         origins = reference.origins | measured.origins
@@ -357,7 +357,7 @@ class Ranges(Algebra[Reach]):
         return reach
 
     def _meet_options(self, update: Update[Reach]) -> None:
-        """Note gains that must have the unit of a source's operand."""
+        """Note gains that need the unit of a source's operand."""
         unit = update.x.unit
         for word, option in update.source.options:
             value = option.value if isinstance(option, Chosen) else option
@@ -397,7 +397,7 @@ class Ranges(Algebra[Reach]):
         return replace(bounds, kept=kept_by, origins=_own(update.source), tight=tight)
 
     def _of_port(self, value: PortValue) -> Reach:
-        """Return where a measured or reference value of the plant is."""
+        """Return the range of a measured or reference value of the plant."""
         address = value.axis, value.port
         origins = frozenset({f"{value.kind} {value.port}"})
         if self.site is None:
@@ -410,7 +410,7 @@ class Ranges(Algebra[Reach]):
         port = outputs.get(address)
         if port is None:  # a reference of an acceleration
             return Reach(kept=FED_BACK, origins=origins)
-        # The rate of a port is bounded by the range of the port that is its rate, if there is one.
+        # The rate of a port is bounded by the range of its rate port, if any.
         rates = [
             largest(Interval(other.low, other.high))
             for (axis, _), other in outputs.items()
@@ -420,7 +420,7 @@ class Ranges(Algebra[Reach]):
         at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
         return Reach(at, pace, kept_by, read_unit(port.unit), origins)
 
-    # --- signals that change together ---
+    # --- signals that are magnified together ---
 
     def zoom(
         self, line: Zoom, signals: Mapping[str, Reach], by: Reach, inside: Reach
@@ -429,7 +429,7 @@ class Ranges(Algebra[Reach]):
         window = symmetric(largest(inside.at))
         found = {}
         for name, reach in signals.items():
-            # Within the window it is magnified; the others may be beyond theirs.
+            # Inside the window it is magnified, unless another signal is outside.
             near = overlap(reach.at, window)
             large = combine("multiply", near, by.at)
             whole = hull(reach.at, large) if near.low <= near.high else reach.at
@@ -497,7 +497,7 @@ def _conclusions(sheet: Sheet | None) -> list[Reach]:
 
 
 def _of_gain(x: Reach, gain: Reach) -> Reach:
-    """Return an output of rules as a plain number, where a gain such as 6 V gives it a unit."""
+    """Return an output of rules as a dimensionless number, if a gain such as 6 V has its unit."""
     gives = x.plain and x.unit is None and gain.scaled and min((gain.unit or {"": 0}).values()) > 0
     return replace(x, unit={}) if gives else x
 

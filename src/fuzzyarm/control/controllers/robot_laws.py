@@ -2,7 +2,7 @@
 
 The kernels of :mod:`.conventional` and :mod:`.adaptive` are for the two-link arm, where every
 product is written out for machine code. Here the model is the plant's `inverse_dynamics`, and a law
-a few lines over arrays. Its gains are those of the study, one number for all joints.
+is a few lines over arrays. Gains are those of the study, one number for all joints.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ EFFORTS = ("torque", "force")
 
 
 class InverseDynamics(Protocol):
-    """The model of a robot that a controller has."""
+    """The model of a robot in a controller."""
 
     def __call__(
         self, position: Vector, velocity: Vector, acceleration: Vector, along: Vector | None = None
@@ -220,12 +220,12 @@ class RobotLaw(Controller):
         return RobotLaw(self.controller.with_gains(values), self.model)
 
     def start(self, single: bool = False) -> None:
-        """Forget everything; called once before each run."""
+        """Reset the state; called once before each run."""
         self._memory: Vector | None = None
         self._torque: Vector | None = None
 
     def torques(self, now: JointMoment) -> Vector:
-        """Return the torque of each joint; in a period without a measurement that of before."""
+        """Return the torque of each joint; without a measurement the last one."""
         joints = len(now.setpoint)
         if self._memory is None or self._torque is None:
             self._memory, self._torque = np.zeros(self.law.memory(joints)), np.zeros(joints)
@@ -249,7 +249,7 @@ def robot_law(controller: CompiledController, model: InverseDynamics) -> RobotLa
 
 
 def _number(gain: Gain) -> float:
-    # Of the study's numbers for its two joints the first.
+    # The first of the study's numbers for its two joints.
     if len(set(gain.value)) > 1 and gain.origin == "given":
         message = f"gain {gain.name} differs between joints, and a robot takes one number for all"
         raise GainError(message, name=gain.name, value=gain.value)

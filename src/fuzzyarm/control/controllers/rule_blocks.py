@@ -18,7 +18,7 @@ from fuzzyarm.symbolic.kernels import address_of
 
 
 class KernelRuleBlock(NamedTuple):
-    """A rule base for the kernel at a point: numbers, where inputs and results are, the kernel."""
+    """A rule base for the kernel at a point: numbers, indices of inputs and results, the kernel."""
 
     numbers: NDArray[np.float64]
     first_input: int
@@ -27,7 +27,7 @@ class KernelRuleBlock(NamedTuple):
 
 
 def rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
-    """Write down a rule base for :func:`inference_address`; its numbers are not written into."""
+    """Lay out a rule base for :func:`inference_address`; its numbers stay unchanged."""
     return _compiled_block(rulebase) if compiled else _interpreted_block(rulebase)
 
 
@@ -56,12 +56,12 @@ def _rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
 
 
 def evaluate_view(block: Any) -> None:
-    """Evaluate a rule base as plain Python, its block a view as an interpreted loop has it."""
+    """Evaluate a rule base as plain Python, over the memory view of an interpreted loop."""
     inference_kernel.evaluate(np.asanyarray(block))
 
 
 def inference_address(numbers: NDArray[np.float64], *, compiled: bool) -> int:
-    """Return where a controller finds the inference kernel for a rule base."""
+    """Return the address of the inference kernel for a rule base."""
     if not compiled:
         return address_of(evaluate_view, 1, compiled=False)
     bindings = inference_kernel.bindings_for(numbers)

@@ -65,7 +65,7 @@ ZERO = "zero"
 
 @dataclass(frozen=True, repr=False)
 class ControllerText(Shown, OfKind):
-    """A controller as text, with the rule bases and tables that it uses.
+    """A controller as text, with its rule bases and tables.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class ControllerText(Shown, OfKind):
     path : str
         Path of the file, empty without one.
     source : str
-        The text as it was read; empty where the controller has been changed since.
+        The text of the file; empty if the controller has been changed since.
     """
 
     kind_of_value = CONTROLLER
@@ -98,7 +98,7 @@ class ControllerText(Shown, OfKind):
         return self.source or repr(self)
 
     def run(self, **options: Any) -> ControllerRun:
-        """Start it, for a loop of one's own; see :class:`ControllerRun`."""
+        """Start it for the user's own loop; see :class:`ControllerRun`."""
         return ControllerRun(self, **options)
 
     def with_gains(self, gains: Mapping[str, float | Sequence[float]]) -> ControllerText:
@@ -123,9 +123,9 @@ class ControllerText(Shown, OfKind):
 
     @property
     def claims(self) -> tuple[LoopClaim, ...]:
-        """Its ``prove`` lines, with files of plants as they are from the working folder.
+        """Its ``prove`` lines, with files of plants relative to the working folder.
 
-        In the text they count from the folder of the controller, as those of ``use`` lines do.
+        In the text they are relative to the folder of the controller, like those of ``use`` lines.
         """
         folder = str(home_of(self.path)) if self.path else "."
         return tuple(
@@ -151,18 +151,18 @@ def read_controller(
     path : path-like
         A ``.frb`` file with a line ``controller``.
     instead : mapping, optional
-        Rule bases and tables in place of those that its ``use`` lines name.
+        Rule bases and tables in place of those in its ``use`` lines.
     change : callable, optional
-        From the model to the sheets to be read instead.
+        From the model to the sheets to read instead.
     source : str, optional
-        The text, where it is not that of the file.
+        The text, if it differs from the file.
 
     Raises
     ------
     OSError
         If a file cannot be read.
     RuleBaseError
-        If it has mistakes, or something does not fit; `diagnostics` has all of them.
+        If it has mistakes or unsuitable files; `diagnostics` has all of them.
     WrongKindError
         If it is a rule base or a table.
     """
@@ -185,15 +185,15 @@ def used_files(
     path: str = "",
     instead: Mapping[str, tuple[Sheet, ...]] | None = None,
 ) -> tuple[dict[str, tuple[Sheet, ...]], list[Diagnostic]]:
-    """Return the rule bases and tables of a controller by name, and which cannot be read."""
+    """Return the rule bases and tables of a controller by name, and the unreadable ones."""
     sheets: dict[str, tuple[Sheet, ...]] = {
         rulebase.name: (rulebase,) for rulebase in model.rulebases
     }
     sheets.update(instead or {})
     faults: list[Diagnostic] = []
     for use in model.uses:
-        # A table that starts at zero has no file: its grid is that of the performance table,
-        # possibly in a later line. So `with_files` makes it.
+        # A table that starts at zero has no file: it has the grid of the performance table, maybe
+        # of a later line, and is made by `with_files`.
         if use.name in sheets or use.files == (ZERO,):
             continue
         try:
@@ -244,7 +244,7 @@ def _unreadable(use: Use, error: OSError | ValueError, path: str, folder: Path) 
 
 
 def _files_for(folder: Path) -> list[str]:
-    """Return the names of files that a controller in a folder could use."""
+    """Return the names of possible files of a controller in a folder."""
     names = list(shipped_names())
     with suppress(OSError):
         names += sorted(path.name for path in islice(folder.iterdir(), 1000))
@@ -254,13 +254,13 @@ def _files_for(folder: Path) -> list[str]:
 def read_sheet(file: str, folder: Path) -> Sheet:
     """Read a rule base or a table from beside the controller, or a shipped one."""
     path = sheet_path(file, folder)
-    # Keyed by its last change, also of a file that has its old time: an edit counts in a long run.
+    # Cached by the file's stamp, not its time alone: an edit counts in a long run.
     now = path.stat()
     return _read_sheet(path, (now.st_mtime_ns, now.st_ctime_ns, now.st_size))
 
 
 def home_of(path: str | Path) -> Path:
-    """Return the folder of the files that a controller names: beside it, not beside a link to it.
+    """Return the folder of a controller's files: beside it, not beside a link to it.
 
     Command and designer then run the same files.
     """
@@ -269,14 +269,14 @@ def home_of(path: str | Path) -> Path:
 
 
 def sheet_path(file: str, folder: Path) -> Path:
-    """Return where a rule base or a table is that a controller in a folder names."""
+    """Return the path of a rule base or a table named by a controller in a folder."""
     path = folder / file
     demand_allowed(path)
     return shipped(file) if not path.exists() and file in shipped_names() else path
 
 
 def files_of(model: ControllerModel, path: str) -> dict[str, Path]:
-    """Return the file of a controller and those that it uses, by name; none without a path."""
+    """Return the files of a controller, its own included, by name; none without a path."""
     if not path:
         return {}
     home = Path(path)
@@ -285,7 +285,7 @@ def files_of(model: ControllerModel, path: str) -> dict[str, Path]:
 
 
 def sheet_files(text: ControllerText) -> list[Path]:
-    """Return the files of rule bases and tables that a controller uses."""
+    """Return the files of a controller's rule bases and tables."""
     folder = home_of(text.path)
     names = dict.fromkeys(file for use in text.model.uses for file in use.files if file != ZERO)
     return [sheet_path(name, folder) for name in names]
@@ -442,11 +442,11 @@ def _misfit(
         )
 
 
-# --- One step at a time, in a loop of anybody's own ---
+# --- One step at a time, in the user's own loop ---
 
 
 class PortError(FuzzyarmError, KeyError):
-    """A value is missing, unknown or not a number; `port` is where."""
+    """A missing, unknown or non-numeric value; `port` is its name."""
 
     def __init__(self, message: str, *, port: str, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -513,13 +513,13 @@ class ControllerRun:
     Parameters
     ----------
     text : ControllerText
-        Which.
+        The controller.
     gains : mapping of str to float or sequence of float, optional
-        In place of those of the text.
+        They replace those of the text.
     single : bool, optional
         Whether signals and gains are stored in single precision.
     compiled : bool, optional
-        Whether it runs as machine code; by default as the environment says.
+        Whether it runs as machine code; by default by the environment.
 
     Raises
     ------
@@ -576,7 +576,7 @@ class ControllerRun:
         self.start()
 
     def start(self) -> None:
-        """Forget everything."""
+        """Reset the state."""
         cells = self.program.cells.copy()
         cells[PERIOD] = self.text.model.period
         cells[SINGLE] = float(self.arithmetic.single)
@@ -654,7 +654,7 @@ class ControllerRun:
 
     @property
     def skipped(self) -> dict[str, int]:
-        """How many periods each axis has skipped: a value was not a number."""
+        """Number of periods that each axis skipped because a value was NaN."""
         return self.program.skipped(self._cells)
 
     def signal(self, axis: str, name: str) -> float:

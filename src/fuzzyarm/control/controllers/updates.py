@@ -5,8 +5,8 @@ states, and the other arguments of its update: its operand, the period, then con
 options and values fetched from other cells in every period. The function takes the arguments as
 one array and overwrites value and states, the beginning of the frame.
 
-Those of the built-in sources are part of the machine code; of another one it is a program of
-operations (:mod:`fuzzyarm.symbolic.programs`).
+Updates of built-in sources are part of the machine code; any other one is a program of operations
+(:mod:`fuzzyarm.symbolic.programs`).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def _roots(kind: SourceKind) -> list[Node]:
 
 
 def _source(kind: SourceKind, name: str) -> str:
-    """Return the text of an update; all is computed before anything is filled in."""
+    """Return the text of an update; everything is computed before any result is stored."""
     body = [f"{symbol} = arguments[{index}]" for index, symbol in enumerate(kind.symbols)]
     results = [VALUE, *(f"next_{state.name}" for state in kind.states)]
     names = {*kind.symbols, *results, "arguments", "into"}
@@ -65,7 +65,7 @@ def _source(kind: SourceKind, name: str) -> str:
 
 @cache
 def _quiet(kind: SourceKind) -> Callable[[Any, Any], None]:
-    """Return the update as plain Python, which has no value where arithmetic has none."""
+    """Return the update as plain Python, NaN where arithmetic is undefined."""
     function, roots = update_function(kind), _roots(kind)
 
     def quiet(arguments: Any, into: Any) -> None:
@@ -80,7 +80,7 @@ def _quiet(kind: SourceKind) -> Callable[[Any, Any], None]:
     return quiet
 
 
-# ── where it can be ──────────────────────────────────────────────────────────────────
+# ── ranges ─────────────────────────────────────────────────────────────────────
 
 MOST_PERIODS = 32
 """Periods to follow one by one; bounds that still move after these are taken for infinite."""
@@ -89,7 +89,7 @@ MOST_PERIODS = 32
 def range_of_source(
     kind: SourceKind, near: Surroundings, settings: dict[str, Interval], starts: list[float]
 ) -> Interval:
-    """Return an interval of all values that a source gives."""
+    """Return an interval around all values of a source."""
     if kind.bounds is not None:
         return kind.bounds(near)
     period = Interval(near.period, near.period)
@@ -127,7 +127,7 @@ def _unseen(state: str) -> str:
 
 
 def _first_known(root: Node, kind: SourceKind) -> Node:
-    """Return an expression in which that condition is a symbol, which has an interval."""
+    """Return an expression with that condition as a symbol, which has an interval."""
     for state in kind.states:
         root = substituted(root, unseen(symbol(state.name)), symbol(_unseen(state.name)))
     return root
@@ -138,6 +138,6 @@ def _hull(a: Interval, b: Interval) -> Interval:
 
 
 def _widened(before: Interval, after: Interval) -> Interval:
-    """Return an interval without end on the side on which it still grows."""
+    """Return an interval without bound on the side of its growth."""
     low = after.low if after.low >= before.low else -math.inf
     return Interval(low, after.high if after.high <= before.high else math.inf)

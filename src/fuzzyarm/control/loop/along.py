@@ -1,6 +1,6 @@
 """Trajectories of a plant: set points, and the load of the plant in each segment.
 
-A run follows a :class:`FollowedPlant`: a plant with one of its trajectories or with references.
+A run follows a :class:`FollowedPlant`: a plant with one of its trajectories, or with references.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Schedule = Sequence[Mapping[str, float]]
 
 
 class FollowedPlant(NamedTuple):
-    """A plant, and the trajectory that it follows; None with references."""
+    """A plant and its trajectory; None with references."""
 
     plant: Plant
     trajectory: Trajectory | None
@@ -43,7 +43,7 @@ def way_of(
     Parameters
     ----------
     on : Trajectory, Plant, Motion, str or path-like
-        A trajectory alone is followed by the arm of the study.
+        A trajectory alone is for the arm of the study.
     along : Trajectory or str, optional
         A trajectory of the plant; by default its first one, if any.
     referred : bool, optional
@@ -52,7 +52,7 @@ def way_of(
     Raises
     ------
     PlantError
-        If the plant or the trajectory is unknown, or two things are to be followed.
+        If the plant or the trajectory is unknown, or there are two of them.
     """
     twice = PlantError(
         "both a trajectory and references are given",
@@ -184,7 +184,7 @@ def trajectory_motion(
 
 
 class _Met(NamedTuple):
-    """The plants of a run, the index of one for each segment, and which of them carry a load."""
+    """The plants of a run, the index of one for each segment, and their loads."""
 
     plants: tuple[Plant, ...]
     block: tuple[int, ...]

@@ -56,7 +56,7 @@ BLOCK_SECONDS = 1.0
 
 
 class Workers:
-    """Workers for the pieces of a job: a given executor, or own ones that start with the first.
+    """Workers for the pieces of a job: an executor, or own workers, started with the first piece.
 
     Any executor of :mod:`concurrent.futures` will do: of loky, Dask, mpi4py. Own workers are
     processes, or `threads`, as for machine code; closing ends them.
@@ -146,14 +146,14 @@ def in_order(
 
 
 class WorkersError(FuzzyarmError, RuntimeError):
-    """Worker processes cannot be started, or have gone."""
+    """Worker processes cannot be started, or have died."""
 
 
 HERE = "--workers 1, or workers=1, runs in this process"
 
 
 def _processes(workers: int) -> Executor:
-    """Start processes of this machine: loky's where it is installed."""
+    """Start processes on this machine, by loky if installed."""
     with _safe_path():
         pool: Executor
         try:
@@ -164,7 +164,7 @@ def _processes(workers: int) -> Executor:
             from concurrent.futures import ProcessPoolExecutor
             from multiprocessing import get_context
 
-            # A fork would copy locks held by threads that it does not copy: deadlock.
+            # A fork would copy the locks of threads, but not the threads: deadlock.
             pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
         try:
             pool.submit(os.getpid).result()
@@ -203,7 +203,7 @@ def workers_watched() -> Iterator[None]:
 
 
 def _end(pool: Executor) -> None:
-    """End threads after their piece, processes with their work."""
+    """End threads after their piece, processes at once."""
     if type(pool).__module__.startswith("loky"):
         pool.shutdown(wait=True, kill_workers=True)  # type: ignore[call-arg]
         return

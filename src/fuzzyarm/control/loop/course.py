@@ -48,7 +48,7 @@ from fuzzyarm.symbolic.kernels import has_machine_code
 Vector = NDArray[np.float64]
 
 
-# --- How to run ---
+# --- Options of a run ---
 
 
 class OptionError(ArmError, PlantError, UsageError):
@@ -113,13 +113,13 @@ class Options:
         Largest motor voltage, V; infinite by default.
     runge_kutta : int, optional
         Steps of the integrator in each control period; 0 for the plant's own integrator, if any,
-        else for as many as it needs.
+        else for the necessary number.
     disturbance : float, optional
         Largest relative disturbance of each state at each step.
     seed : int, optional
         Seed of disturbance and noise.
     compiled : bool, optional
-        Whether to run machine code; by default as the environment says.
+        Whether to run machine code; by default by the environment.
     interpolate : bool, optional
         Whether the reference is interpolated linearly between set points instead of held.
     sensors : mapping of str to Sensor, optional
@@ -246,7 +246,7 @@ def motion(
     Parameters
     ----------
     plant : Plant
-        Any.
+        The plant.
     references : mapping of str to Signal
         By port; other ports have the reference 0. The first is tracked.
     duration : float
@@ -270,8 +270,7 @@ def motion(
         if port not in interface.outputs:
             raise PlantError(f"'{name}' is an input, which has no reference", name=name)
         values_by_port[port] = signal.at(time)
-    # References of rates and accelerations without a signal of their own are derivatives of the
-    # port's.
+    # References of rates and accelerations without a signal are derivatives of the port's signal.
     columns = np.zeros((count, len(interface.references)))
     for column, (address, reference) in enumerate(interface.references.items()):
         if address in values_by_port:
@@ -525,7 +524,7 @@ class Course:
         noisy: list[float] = []
         for port, output in interface.outputs.items():
             sensor = sensors.get(port, Sensor())
-            # A longer delay changes nothing in this run, but takes memory.
+            # A longer delay has no effect in this run, but takes memory.
             delay = min(whole_periods(sensor.delay, self.motion.period), self.steps)
             source = -1
             if sensor.difference is not None:
@@ -573,7 +572,7 @@ class Course:
         return columns
 
     def _checks(self) -> tuple[list[int], list[float]]:
-        # Pairs of cells: a reference (-1: none) and the output that is to stay near it, or near 0.
+        # Pairs of cells: a reference (-1: none) and the output to stay near it, or near 0.
         cells: list[int] = []
         bounds: list[float] = []
         for port in self.motion.tracked:

@@ -70,7 +70,7 @@ def _require_choice(
 
 
 def sources_of(request: ExperimentRequest) -> Sources:
-    """Return the rule bases and tables that replace those of a controller."""
+    """Return the replacements of a controller's rule bases and tables."""
     return Sources(
         above.function("load_rules")(request.rulebase, "--rulebase") if request.rulebase else None,
         above.function("load_rules")(request.alpha, "--alpha") if request.alpha else None,
@@ -105,7 +105,7 @@ def with_settings(
 ) -> tuple[list[Controller], Plant]:
     """Return the controllers with new gains and the plant with new parameters.
 
-    A gain is set in every controller that has it.
+    A gain is set in every controller with that name.
     """
     gains, parameters = split_settings(overrides(request.set), controllers, plant)
     changed = []
@@ -212,7 +212,7 @@ COUNTING = ("conventions", "precision", "pi")
 
 
 def given_option(request: ExperimentRequest, names: Iterable[str]) -> str:
-    """Return the first of the fields with a value, as its option is spelled, or ""."""
+    """Return the spelling of the first field with a value, or ""."""
     option = request.given(names)
     if option is None:
         return ""
@@ -221,7 +221,7 @@ def given_option(request: ExperimentRequest, names: Iterable[str]) -> str:
 
 
 def follows(request: ExperimentRequest, plant: Plant) -> bool:
-    """Whether a plant follows a trajectory rather than references."""
+    """Whether a plant follows a trajectory instead of references."""
     _require_known(request, plant)
     if not plant.trajectories:
         return False
@@ -307,7 +307,7 @@ def _point(text: str) -> tuple[float, ...]:
 
 
 def files_named(request: ExperimentRequest) -> dict[str, Path]:
-    """Return the possible files among the words of an experiment; not all of them exist."""
+    """Return the possible files among the words of an experiment, existing or not."""
     words = [request.rulebase, request.alpha, request.performance, *request.table]
     plant = request.plant or ""
     words += [plant.partition(".py")[0] + ".py", plant, plant.rpartition(":")[0]]

@@ -109,7 +109,7 @@ class LoopBlock(NamedTuple):
     limits          4 D                 lowest, highest, largest change in a period, last value
     late            5 D, or 0           see :data:`ACTUATOR`; behind them the rings of dead times
     memory                              state of the laws
-    taps            whole               cells of the board that are recorded: tracked outputs,
+    taps            whole               recorded cells of the board: tracked outputs,
                                         their references, others
     board                               see the head of this module
     state                               states of the plant, scratch of its integrator
@@ -169,9 +169,9 @@ def run_loop(block: LoopBlock) -> None:
     3. the laws, their drives added up; state of the laws advances;
     4. actuators: range, then slew, from the drive of the period before, then dead time;
     5. sums of drive changes and of squared errors; in the last period of a set point the sample:
-       outputs of i T and the drives that answer them;
+       outputs of i T and the drives computed from them;
     6. loads, behind the actuators;
-    7. the plant from i T to (i + 1) T, in parts where the dead time of an actuator ends inside;
+    7. the plant from i T to (i + 1) T, in parts if the dead time of an actuator ends inside;
        its time is that product, not a running sum;
     8. random disturbance of the states, if any, then outputs of (i + 1) T;
     9. the test for divergence, which ends the run: an output or error beyond its bound.
@@ -183,7 +183,7 @@ def run_loop(block: LoopBlock) -> None:
 
     The whole state of a run is in `block`: a run in parts has the bits of a whole one.
     """
-    # Local names: a scalar of a tuple stays in a register, and the interpreter finds it faster.
+    # Local names: scalars of a tuple stay in registers, and the interpreter finds them faster.
     setting = constants_of(block.setting)
     references, iterations, pushes = block.references, block.iterations, block.pushes
     plants, links, sensors, noise = block.plants, block.links, block.sensors, block.noise
@@ -207,8 +207,8 @@ def run_loop(block: LoopBlock) -> None:
     for point in range(progress[NEXT], progress[UNTIL]):
         first = block.plant_of[point] * size
         constants = plants[first : first + size]
-        # A set point is held for its periods. Where a segment ends with one period only (the
-        # study's clock does that) the last one is not reached, and there is no sample.
+        # A set point is held for its periods. A segment may end after one period only (by the
+        # study's clock): then the last one is not reached, and there is no sample.
         for iteration in range(iterations[point]):
             last = iteration == setting.every - 1
             board[1] = 1.0 if last else 0.0
@@ -229,7 +229,7 @@ def run_loop(block: LoopBlock) -> None:
             actuate(links, state, outputs, drives, constants, clock, limits, late, tick)
             note_changes(drives, frame.drives, clock, tick)
             note_errors(board, taps, block.path, tick, errors, tracked)
-            if last:  # before the plant moves: the error that these drives answer
+            if last:  # before the plant moves: the error behind these drives
                 tap(board, taps, block.record, samples)
                 samples += 1
             push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
@@ -263,7 +263,7 @@ def loop_bindings(
     dynamics : Dynamics or None
         The plant's kernel, to be compiled into the loop; None for a call by address.
     single : bool
-        Whether values are stored in single precision: a constant, so the test disappears.
+        Whether values are stored in single precision: a constant, so the test vanishes.
     of_text : bool
         Whether the only law is one controller as text, compiled into the loop, too.
     """
@@ -312,9 +312,9 @@ def frame_of(count: int, size: int, cells: int) -> Frame:
 
 @cache
 def known_frame(references: int, outputs: int, drives: int) -> Callable[[int, int, int], Frame]:
-    """Return a kernel that gives the frame of a plant with so many ports.
+    """Return a kernel with the constant frame of a plant.
 
-    It makes the lengths of the loops over ports constants, so the compiler unrolls them.
+    Loops over ports then have constant lengths, and the compiler unrolls them.
     """
     frame = frame_of(references, drives, CLOCK + references + 2 * (outputs + drives))
     name = f"frame_of_{references}_{outputs}_{drives}"
@@ -368,7 +368,7 @@ def tap(board: list[float], taps: list[int], record: list[float], samples: int) 
 def plant_kernel(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Stand in for the kernel of a plant, to which this name is bound."""
+    """Stand in for the kernel of a plant, bound to this name."""
 
 
 @kernel
@@ -415,7 +415,7 @@ def derive(
     p: list[float],
     clock: list[float],
 ) -> None:
-    """Let the plant derive further measurements from measured outputs, if it has some."""
+    """Derive further measurements from measured outputs, for plants that define some."""
     if links[DERIVES] != 0:
         ask_plant(DERIVE, links, x, y, u, p, clock)
 
@@ -458,11 +458,11 @@ def note_changes(drives: list[float], size: int, clock: list[float], tick: int) 
         clock[CLOCK_SIZE + i] = drive
 
 
-# --- Errors in all control periods ---
+# --- Errors over all control periods ---
 #
-# After the changes, for each tracked output: the sums of squared errors, from the reference of the
-# law and from the path between set points; and the number of periods with a NaN error, which
-# neither sum contains.
+# After the changes, for each tracked output: the sums of squared errors from the law's reference
+# and from the path between set points, and the number of periods with a NaN error, left out of
+# both.
 
 HELD, LED, UNKNOWN = range(3)
 """Rows of these sums, in order."""
@@ -480,7 +480,7 @@ def note_errors(
     errors: list[float],
     count: int,
 ) -> None:
-    """Add up the squared errors of a control period, of so many outputs."""
+    """Add up the squared errors of a control period, for `count` outputs."""
     led = len(path) > 0
     for i in range(count):
         value = board[taps[i]]
@@ -507,8 +507,8 @@ def push(drives: list[float], size: int, pushes: list[float], tick: int) -> None
 
 # --- Sensors ---
 #
-# Ten numbers for each output, followed by the ring buffers of delayed values. The rate of another
-# output may be formed from that output's measured value.
+# Ten numbers for each output, followed by the ring buffers of delayed values. A sensor may form the
+# rate of another output from its measured value.
 
 QUANTUM, LOWEST, HIGHEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(10)
 SENSOR = 10
@@ -553,7 +553,7 @@ def quantised(sensors: list[float], at: int, value: float) -> float:
 
 @kernel
 def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
-    """Delay a sensor by n periods; before that it gives its first value."""
+    """Delay a sensor by n periods; at first it repeats its first value."""
     count, ring = int(sensors[at + DELAY]), int(sensors[at + RING])
     if tick == 0:
         for k in range(count):
@@ -597,7 +597,7 @@ def within(
         value = board[checks[2 * i + 1]]
         if checks[2 * i] >= 0:
             value = board[checks[2 * i]] - value
-        if not abs(value) <= bounds[i]:  # as NaN is, too
+        if not abs(value) <= bounds[i]:  # true of NaN, too
             lost = math.isnan(value) and len(state) > 0
             if not (lost and all_finite(state) and all_finite(drives)):
                 return False
@@ -608,7 +608,7 @@ def within(
 def all_finite(values: list[float]) -> bool:
     """Whether all values are finite."""
     for i in range(len(values)):  # noqa: SIM110  (a kernel has no generators)
-        if values[i] - values[i] != 0.0:  # true of NaN, which inf - inf is, too
+        if values[i] - values[i] != 0.0:  # true of NaN and of infinity: inf - inf is NaN
             return False
     return True
 
@@ -655,7 +655,7 @@ def rms(errors: Vector) -> Vector:
 
 
 def final(errors: Vector) -> Vector:
-    """Return the last error of each column that is not NaN."""
+    """Return the last error of each column, NaN ignored."""
     return by_column(errors, lambda known: known[-1])
 
 

@@ -1,11 +1,11 @@
-"""Many runs of one experiment, with gains, plants, loads, noise and seeds that differ.
+"""Many runs of one experiment, with different gains, plants, loads, noise and seeds.
 
-A run depends on its number and its own values alone: neither on the number of workers nor on the
-division into blocks.
+A run depends on its number and its own values alone, not on the number of workers or the division
+into blocks.
 
-To vary something else: ``Bench._owner`` says to which object a name belongs, and
+To vary something else: ``Bench._owner`` returns the object of a name, and
 ``Bench.course`` or ``Bench.run`` applies it. Add a line to ``docs/howto/sweeps.md`` and a single
-run for comparison to ``tests/loop/test_many.py``. What pickle cannot handle has a recipe in
+run for comparison to ``tests/loop/test_many.py``. An object without a pickle has a recipe in
 ``packed`` of :mod:`.blocks`, by text or by name, never by address.
 """
 
@@ -76,16 +76,15 @@ class Many:
     controller, plant, trajectory : str
         Names.
     outputs, units : tuple of str
-        Names and units of the measured quantities: axes, or ports where one axis has several.
+        Names and units of the measured quantities: axes, or ports if one axis has several.
     changes : mapping of str to ndarray
         The swept values, shape (n,), or (n, k) for k numbers.
     seeds : ndarray of int64, shape (n,)
         Seeds of noise and disturbance.
     diverged : ndarray, shape (n,)
-        Time of divergence, s; NaN where there was none. The metrics are those until then.
+        Time of divergence, s, the end of the metrics; NaN without one.
     values : ndarray, shape (n, outputs, metrics)
-        In the order of ``fuzzyarm.control.loop.metrics.METRICS``; NaN where a metric is
-        undefined.
+        In the order of ``fuzzyarm.control.loop.metrics.METRICS``; NaN for an undefined metric.
     along : bool
         Whether a trajectory of the plant was followed.
     change_units : mapping of str to str
@@ -216,7 +215,7 @@ class Bench:
             isinstance(way, FollowedPlant) and way.trajectory is not None and carries(way.plant)
         )
         if "payload" in names and carrying:
-            # Loads are part of every run or of none: a run without one has the load 0.
+            # Loads are part of every run or of none: a run without one has load 0.
             shared = {"payload": 0.0, **experiment.shared}
             experiment = replace(experiment, shared=shared)
         self.experiment = experiment
@@ -416,7 +415,7 @@ def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str,
 
 
 def owner_of(name: str, controllers: Sequence[Controller], plant: Plant) -> str | None:
-    """Return whether a name is a ``gain`` of a controller or a ``parameter`` of the plant.
+    """Return the owner of a name: ``gain`` of a controller, or ``parameter`` of the plant.
 
     A name of both is the controller's; ``plant.NAME`` is the plant's. A sum also has
     ``ADDEND:NAME``. None if the name is unknown.
@@ -539,7 +538,7 @@ def stream(
     with Workers(workers, executor, threads=threads) as crew:
         stop = threading.Event()
         if executor is None and not threads:
-            # The first ones here, until it is worth starting processes.
+            # The first runs here, until processes are worth starting.
             for rows in _begun_here(bench, changes, begin, count):
                 yield begin, rows
                 begin += len(rows)
@@ -559,7 +558,7 @@ def stream(
 
 
 def check_extremes(bench: Bench, changes: Columns) -> None:
-    """Try the smallest and the largest value of every name, so that mistakes show at once."""
+    """Try the smallest and the largest value of every name, to show mistakes at once."""
     shared = bench.experiment.shared
     for name, values in changes.items():
         values_given = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]
@@ -581,7 +580,7 @@ WORTH = 3.0
 
 
 def _begun_here(bench: Bench, changes: Columns, begin: int, count: int) -> Iterator[Rows]:
-    """Yield the rows of single runs, until the rest takes long."""
+    """Yield the rows of single runs, until the rest would take long."""
     while begin < count:
         rows, seconds = bench.rows(begin, cut(changes, begin, begin + 1), 1)
         begin += 1

@@ -4,7 +4,7 @@ To add a metric: a field of :class:`Metrics`, its record in ``METRIC_KINDS``, an
 in ``docs/tutorial/5-a-controller.md``. ``docs/reference/metrics.md`` is generated (``pytest
 --update-golden``), and a test evaluates the formula. It is then also a cost of ``tune``.
 
-One of every control period, which samples cannot give, needs before that
+A metric over every control period, which samples lack, first needs
 
 1. a row of sums in ``note_errors`` of :mod:`fuzzyarm.control.loop.loop`: its number beside `HELD`,
    one more in `ERRORS`, its statement in the kernel; then ``make native``;
@@ -120,7 +120,7 @@ def metrics_of(
     maximum : {"magnitude", "positive"}, optional
         See :func:`fuzzyarm.control.loop.loop.signed_maximum`.
     counted : mapping of str to float, optional
-        Metrics that the loop sums up in every control period, which samples cannot give.
+        Metrics summed up by the loop in every control period.
     """
     samples = _Samples(time, reference, errors, drives, limits, period, maximum, counted)
     values: dict[str, Any] = {
@@ -133,7 +133,7 @@ def metrics_of(
 def _step_response(
     time: Vector, reference: Vector, errors: Vector
 ) -> tuple[float | None, float | None, float | None]:
-    """Return rise time, overshoot and settling time, where the reference is one step."""
+    """Return rise time, overshoot and settling time, if the reference is one step."""
     # Sampled definitions: 10 % to 90 % of the step, and the first sample after the last one outside
     # the band, without interpolation between samples.
     jumps = np.flatnonzero(reference[1:] != reference[:-1])
@@ -182,19 +182,19 @@ class _Samples:
 
     @cached_property
     def magnitudes(self) -> Vector:
-        """Absolute errors that are known."""
+        """Known absolute errors."""
         known: Vector = self.errors[~np.isnan(self.errors)]
         return np.abs(known)
 
     @cached_property
     def elapsed(self) -> Vector:
-        """Times of these since the first sample."""
+        """Times of known errors since the first sample."""
         elapsed: Vector = (self.time - self.time[0])[~np.isnan(self.errors)]
         return elapsed
 
     def integral(self, values: Vector) -> float:
-        """Return the integral of something over the samples; NaN of none."""
-        # The rectangle rule: each sample counts for the period that it begins.
+        """Return the integral of values over the samples; NaN of none."""
+        # The rectangle rule: each sample counts for the period after it.
         return float(np.sum(values) * self.period) if len(values) else math.nan
 
     @cached_property
@@ -236,10 +236,10 @@ class MetricKind(NamedTuple):
     value : callable
         From the samples to its value.
     symbol : str
-        Its unit, with ``{error}``, ``{drive}`` (of the first drive) and ``{every}`` (of all drives)
-        in place of those of the run; empty where one that it has is empty or ``1``.
+        Its unit, with the placeholders ``{error}``, ``{drive}`` (of the first drive) and
+        ``{every}`` (of all drives); empty if a necessary one is empty or ``1``.
     missing : float or None
-        Of a run without samples.
+        Its value without samples.
     """
 
     unit: str
@@ -250,7 +250,7 @@ class MetricKind(NamedTuple):
 
 
 def _counted(name: str) -> Callable[[_Samples], float]:
-    """Return the value of a metric that the loop sums up."""
+    """Return the reader of a metric summed up by the loop."""
     return lambda samples: samples.counted.get(name, math.nan)
 
 

@@ -1,7 +1,7 @@
 """A run in progress: advanced in parts, with loads and gains changed in between.
 
 The whole state of a run is in the arrays of the loop, so a run in parts has the bits of a whole
-one, and a change holds from the next part on.
+one, and a change takes effect with the next part.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fuzzyarm.plant.plant import Address
 
 
 class StructureError(FuzzyarmError, ValueError):
-    """A controller of another structure than the running one, whose state it cannot take over."""
+    """A controller of another structure, which cannot take over the state of the running one."""
 
 
 class OpenRun:

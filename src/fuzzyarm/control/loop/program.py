@@ -55,8 +55,7 @@ Loop = Callable[[LoopBlock], None]
 def loop_of_laws(program: LoopProgram, course: Course) -> Loop:
     """Return the loop around laws and plant, as machine code or as plain Python.
 
-    Of the equivalent variants, take the one with most compiled in: plant and controller, or
-    neither, both called by address.
+    The fastest of equivalent variants: plant and controller compiled in, or both called by address.
     """
     single = course.conventions.single
     if program.compiled:
@@ -165,7 +164,7 @@ class LoopProgram:
         return np.array(cells, np.int64)
 
     def remembered(self, memory: Any) -> list[float]:
-        """Return the state of the laws that have one."""
+        """Return the state of the laws with state."""
         values: list[float] = []
         for law in self._laws:
             if law.remembers:
@@ -282,7 +281,7 @@ class RunRecord:
         return np.where(counted > 0, self.errors(kind) / np.maximum(counted, 1.0), np.nan)
 
     def errors(self, kind: int) -> NDArray[np.float64]:
-        """Return for each tracked output a row of ``note_errors``."""
+        """Return a row of ``note_errors``, one number for each tracked output."""
         return np.asarray(np.array(self.clock[self._errors :]).reshape(ERRORS, -1)[kind])
 
     @property
@@ -297,12 +296,12 @@ class RunRecord:
 
     @property
     def lost(self) -> int | None:
-        """The set point in which the run diverged."""
+        """The set point of divergence."""
         point = int(self.progress[LOST])
         return None if point < 0 else point
 
     def diverged(self) -> float | None:
-        """Return the time at which the run was stopped for divergence, s."""
+        """Time of divergence, s."""
         return None if self.lost is None else self.ticks * self.course.motion.period
 
 
@@ -320,7 +319,7 @@ def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.flo
     count = len(course.motion.tracked)
     # One row for each tap: along columns NumPy would stride.
     taps = np.ascontiguousarray(samples.T)
-    with np.errstate(over="ignore"):  # a run that diverges may end beyond all floats in degrees
+    with np.errstate(over="ignore"):  # a diverged run may overflow in degrees
         return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
 
 
@@ -375,7 +374,7 @@ def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
     """Return the `control` function of a controller in plain Python, addend by addend."""
     parts = list(program.controller.parts())
     if not any(part.takes_ports for part in parts):
-        parts = [program.controller]  # it adds the torques itself
+        parts = [program.controller]  # it adds its torques itself
     controls = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
@@ -415,7 +414,7 @@ def _asked_for_torques(part: Controller) -> Asked:
 
 
 def _asked_of_robot(part: RobotLaw, course: Course) -> Asked:
-    """Return the call of a law on all joints of a robot."""
+    """Return the step of a law on all joints of a robot."""
     interface = course.site.interface
     columns = [at for at, port in enumerate(interface.inputs) if port[1] in EFFORTS]
     axes = [axis for axis, port in interface.inputs if port in EFFORTS]
@@ -442,7 +441,7 @@ def _asked_of_robot(part: RobotLaw, course: Course) -> Asked:
 def _asked_of_text(
     part: Controller, law: on_plant.TextLaw, arithmetic: RunArithmetic, course: Course
 ) -> Asked:
-    """Return the call of a controller as text beside one in Python."""
+    """Return the step of a controller as text beside one in Python."""
     gains = {
         gain.name: part.gains[gain.name].value
         for gain in law.gains
@@ -470,7 +469,7 @@ def _asked_of_text(
 
 
 def _asked_by_ports(part: Controller, course: Course) -> Asked:
-    """Return the call of a controller in Python with values by port name."""
+    """Return the step of a controller in Python with values by port name."""
     site = course.site
     label = site.interface.label
     references = _cells_of(site, site.interface.references, CLOCK)
@@ -528,7 +527,7 @@ def _number(part: Controller, name: str, value: Any) -> float:
 
 @contextmanager
 def _named(part: Controller) -> Iterator[None]:
-    """Attribute errors to the controller: the same loop calls the plant."""
+    """Attribute errors to the controller, since the same loop calls the plant."""
     try:
         yield
     except FuzzyarmError:

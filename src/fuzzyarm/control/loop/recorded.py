@@ -1,4 +1,4 @@
-"""A recorded run through a controller: what it would have driven beside what was driven."""
+"""A recorded run through a controller: its computed drives beside the recorded ones."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ class ReplayedDrive:
     drive : str
         Its port.
     compared : int
-        The periods in which a value was recorded.
+        Number of periods with a recorded value.
     parts_at : int or None
-        The first period in which both differ by more than the tolerance, from 0; None: they agree.
+        The first period with a difference above the tolerance, from 0; None: they agree.
     would, was : float or None
-        What the controller would have driven there, and what was driven.
+        The computed and the recorded drive there.
     worst : float
         The greatest magnitude of the difference.
     worst_at : int
-        The period in which it is.
+        Its period.
     rms : float
-        The root of the mean square of the difference.
+        Root mean square of the difference.
     """
 
     drive: str
@@ -62,12 +62,12 @@ class Replay:
     periods : int
         Its length.
     gap : int or None
-        The first period whose time is not one control period after the one before; None without
-        such, or without times.
+        The first period not one control period after the one before; None without a gap or without
+        times.
     skipped : dict of str to int
-        By axis, the periods that the controller skipped.
+        Number of skipped periods, by axis.
     drives : tuple of ReplayedDrive
-        Each drive that was recorded.
+        Each recorded drive.
     """
 
     periods: int
@@ -96,7 +96,7 @@ def replay(
     times : ndarray, optional
         The time of each period, s.
     tolerance : float, optional
-        How far both drives may be apart, in their unit; by default 1e-6 of the largest value.
+        Permitted difference of both drives, in their unit; by default 1e-6 of the largest value.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def replay(
 
 
 def _compared(name: str, would: Array, was: Array, tolerance: float | None) -> ReplayedDrive:
-    known = ~np.isnan(was)  # an infinity is a value, far from any other
+    known = ~np.isnan(was)  # infinity counts as a value, far from any other
     apart = np.where(known, np.abs(would - was), 0.0)
     if tolerance is None:
         tolerance = CLOSE * float(np.abs(was[np.isfinite(was)]).max(initial=0.0))

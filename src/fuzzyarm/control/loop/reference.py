@@ -39,7 +39,7 @@ class TracedSignal(NamedTuple):
     roots : tuple of Node
         Value, rate and acceleration over ``t``, s, and its numbers, ``n0`` …
     numbers : dict of str to Fraction
-        Those numbers: times as the decimals that they are printed as, others exactly.
+        Those numbers: times as printed decimals, others exactly.
     """
 
     roots: tuple[Node, Node, Node]
@@ -102,7 +102,7 @@ class Signal:
 
     @property
     def named(self) -> list[tuple[str, float]]:
-        """Its numbers, each with what it is in :data:`KINDS`."""
+        """Its numbers, each with its name in :data:`KINDS`."""
         return list(zip(KINDS[self.kind].names(len(self.numbers)), self.numbers, strict=False))
 
     @cached_property
@@ -116,9 +116,9 @@ class Signal:
 
     @cached_property
     def stations(self) -> list[tuple[Fraction, float]]:
-        """Between which values it moves, and from when on it has each of them, s.
+        """Its resting values, each with the time from which on it holds, s.
 
-        Empty of a ramp, a sine and a file, which come to no last one.
+        Empty for a ramp, a sine and a file, which never come to rest.
         """
         numbers = self.numbers
         start = numbers[2] if len(numbers) > 2 else 0.0
@@ -138,12 +138,12 @@ class Signal:
 
     @property
     def moves(self) -> bool:
-        """Whether it is anything but one value from the start on."""
+        """Whether it is not constant from the start on."""
         return len(self.stations) != 1
 
     @property
     def reach(self) -> float:
-        """Its largest magnitude at any time, at least."""
+        """An upper bound of its magnitude at any time."""
         if self.stations:
             return max(abs(value) for _, value in self.stations)
         if self.kind == "sine":
@@ -175,7 +175,7 @@ def read_signal(text: str) -> Signal:
     kind, _, rest = text.partition(":")
     try:
         numbers = tuple(_numbers(kind, rest.split(","))) if rest else ()
-        if kind and not rest:  # a number alone is a step
+        if kind and not rest:  # a bare number is a step
             return Signal("step", (float(kind),))
     except ValueError:
         hint = "as in step:1, step:1,5ms, ramp:0.5, sine:1,0.5, quintic:1,2 or a FILE.csv"
@@ -270,7 +270,7 @@ def _quintic(t: Any, to: Any, duration: Any, start: Any = 0.0, *more: Any) -> tu
 
 @dataclass(frozen=True)
 class ReferenceKind:
-    """A kind of reference: its parameters, how many are mandatory, its formula, further moves."""
+    """A kind of reference: parameters, number of mandatory ones, formula, further moves."""
 
     words: tuple[str, ...]
     least: int
@@ -278,14 +278,14 @@ class ReferenceKind:
     more: tuple[str, ...] = ()
 
     def takes(self, count: int) -> bool:
-        """Tell whether it may have so many numbers."""
+        """Return whether it accepts `count` numbers."""
         beyond = count - len(self.words)
         if beyond <= 0:
             return count >= self.least
         return bool(self.more) and beyond % len(self.more) == 0
 
     def names(self, count: int) -> list[str]:
-        """Return what so many numbers are."""
+        """Return the names of `count` numbers."""
         beyond = max(0, count - len(self.words)) if self.more else 0
         return [*self.words, *islice(cycle(self.more), beyond)]
 

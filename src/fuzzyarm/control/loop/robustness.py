@@ -1,4 +1,4 @@
-"""Controllers in the same many runs: how each of them bears the changes, and where one is better.
+"""Controllers over the same runs: the robustness of each, and the runs in which one is better.
 
 A run fails if it diverges, or if the metric has no value, such as the settling time of a loop that
 does not settle.
@@ -23,7 +23,7 @@ Spans = Mapping[str, Sequence[tuple[float, float]]]
 
 
 class RobustnessError(FuzzyarmError, ValueError):
-    """Results that are not of the same runs."""
+    """Results of different runs."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Robustness(JsonRecord):
     median : float or None
         Median magnitude of all runs, failed ones taken as infinite; None if it is.
     worst : float or None
-        Greatest magnitude of the runs that did not fail; None if all did.
+        Greatest magnitude of the completed runs; None if all failed.
     run : int or None
         Its number, from 0.
     failed : int
@@ -63,8 +63,8 @@ class PairedComparison(JsonRecord):
     better, worse : int
         Number of runs in which the first one is better, and the second.
     better_where, worse_where : mapping of str to sequence of pair of float
-        By swept name, from the first to the last of neighbouring values at which this holds,
-        whatever the other swept names are.
+        By swept name, first and last of neighbouring values at which this holds for all values of
+        the other names.
     """
 
     first: str
@@ -132,7 +132,7 @@ def paired_comparison(first: Many, second: Many, metric: str = "rms") -> PairedC
 
 
 def _magnitudes(many: Many, metric: str) -> Vector:
-    """Return the magnitude of a metric, shape (n, outputs); infinite where a run failed."""
+    """Return the magnitude of a metric, shape (n, outputs); infinite for a failed run."""
     values = np.abs(many[metric])
     values[~np.isnan(many.diverged)] = np.inf
     return np.where(np.isnan(values), np.inf, values)
@@ -158,11 +158,11 @@ def _equal(one: Vector, other: Vector) -> bool:
 
 
 def _where(many: Many, chosen: Choice) -> dict[str, list[tuple[float, float]]]:
-    """Return where a choice of runs holds, by swept name."""
+    """Return the values, by swept name, at which a choice of runs holds."""
     spans: dict[str, list[tuple[float, float]]] = {}
     for name, column in many.changes.items():
         values, at = np.unique(column, return_inverse=True)
-        # Of several names drawn at random, no two runs share a value: there is nothing to say.
+        # Of several names drawn at random, no two runs share a value: nothing to compare.
         if column.ndim == 1 and (len(values) < len(column) or len(many.changes) == 1):
             holds = np.ones(len(values), bool)
             np.logical_and.at(holds, at, chosen)

@@ -1,4 +1,4 @@
-"""Run a closed loop: controller, references and plant give errors over time."""
+"""Run a closed loop: errors over time from controller, references and plant."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ Vector = NDArray[np.float64]
 
 
 def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
-    """Name the tracked outputs in metrics: by axis where it has one of them, else by label."""
+    """Name the tracked outputs in metrics: by axis if it has one of them, else by label."""
     return tuple(
         axis if axes.count(axis) == 1 else label for axis, label in zip(axes, labels, strict=True)
     )
@@ -84,7 +84,7 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
 
 
 class MetricSources(NamedTuple):
-    """The data of a run from which metrics are computed; fields as in :class:`Run`."""
+    """The data behind the metrics of a run; fields as in :class:`Run`."""
 
     conventions: Conventions
     axes: tuple[str, ...]
@@ -183,8 +183,8 @@ class Run(Plotted):
     output_units : mapping of str to str
         Of `outputs` and `wanted`.
     driven : tuple of str
-        The `drives` of the controller, direct or through motors of the plant; metrics of drives
-        refer to these. Empty means all.
+        The `drives` of the controller, direct or through motors of the plant, which metrics of
+        drives refer to. Empty means all.
     cause : str
         Of a diverged run: the quantity beyond its bound, or NaN.
     notes : tuple of str
@@ -192,8 +192,8 @@ class Run(Plotted):
     along : bool
         Whether it followed a trajectory of the plant.
     skipped : mapping of str to int
-        Of each axis of the controller that skipped some: the control periods in which a value that
-        it reads or finds was not a number, or infinite where it is remembered.
+        For each axis with skipped periods: their number. A value read or found was NaN, or a
+        remembered one infinite.
     periods : int
         Number of control periods.
     """
@@ -279,7 +279,7 @@ class Run(Plotted):
 
     @property
     def rms_path(self) -> Vector:
-        """The same from the reference of which the set points are samples."""
+        """The same from the reference sampled by the set points."""
         return self.counted.get("rms_path", np.zeros(0))
 
     @property
@@ -289,7 +289,7 @@ class Run(Plotted):
 
     @property
     def lost(self) -> dict[str, int]:
-        """Number of NaN errors of each tracked output that has some; metrics ignore them."""
+        """Number of NaN errors of each tracked output with some; metrics ignore them."""
         counts = zip(self.labels, np.isnan(self.error_matrix).sum(axis=0).tolist(), strict=True)
         return {label: count for label, count in counts if count}
 
@@ -314,7 +314,7 @@ class Run(Plotted):
 
     @property
     def metrics(self) -> dict[str, Metrics]:
-        """Metrics of each axis; of each output where an axis has several tracked ones."""
+        """Metrics of each axis; of each output if an axis has several tracked ones."""
         return metrics_by_output(self)
 
     def frame(self) -> Any:
@@ -393,14 +393,14 @@ def plant_motion(
 ) -> Motion:
     """Return the set points of a plant, at the period of a controller as text.
 
-    By default the reference of the first output that the controller follows steps to 1.
+    By default the reference of the first followed output steps to 1.
     """
     require_sound(plant)
     site = site_of(plant, connect)
     chosen = controller_on(controller, site)
     signals = as_signals(references) or _stepped(controller, site, 1.0)
     timing = timing_on(chosen, site)
-    # The period as written: Timing has that of a set point.
+    # The period as written: Timing has the duration of a set point.
     clock = next(filter(None, map(timed, chosen.parts())), timing)
     if duration is None:
         duration = plant.duration or 1000 * clock.period * clock.every
@@ -414,7 +414,7 @@ def stepped(
     reference: Mapping[str, AnySignal] | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> dict[str, Signal]:
-    """Return a step of the output that a controller follows."""
+    """Return a step of the output followed by a controller."""
     if reference:
         raise UsageError("a step and references exclude each other", hint="give one of them")
     require_sound(plant)
@@ -427,7 +427,7 @@ def _stepped(controller: Controller, site: Site, step: float) -> dict[str, Signa
 
 
 def followed_by(controller: Controller, site: Site) -> Address:
-    """Return the output that a controller follows: by its text, or the first of the plant."""
+    """Return the output followed by a controller: by its text, or the first of the plant."""
     for part in controller.parts():
         law = text_law_of(part)
         if law is not None:
@@ -467,7 +467,7 @@ def run_along(
 
 
 def _coarse(course: Course) -> tuple[str, ...]:
-    """Return notes on coarse settings that may cause divergence whatever the controller."""
+    """Return notes on coarse settings, possible causes of divergence."""
     if course.plant.derivative is None or math.isfinite(course.plant.longest_step):
         return ()
     return (
@@ -481,7 +481,7 @@ _rooms = threading.local()
 
 def _room(size: int) -> Vector:
     """Return a scratch array of each thread."""
-    # Fresh memory of this size comes from the system, page by page, in every run.
+    # Kept: the system would map fresh memory of this size page by page in every run.
     array: Vector | None = getattr(_rooms, "array", None)
     if array is None or len(array) < size:
         array = _rooms.array = np.zeros(size)
@@ -599,7 +599,7 @@ class ClosedLoop:
 
     @property
     def _driven(self) -> tuple[str, ...]:
-        """Drives of the controller, without those that only a disturbance moves."""
+        """Drives of the controller, without those moved only by a disturbance."""
         interface, driven = self.site.interface, self.course.driven
         coupled = self.course.plant.dynamics is not None  # torques follow from voltages
         moved = [port for port in interface.inputs if coupled or port in driven]

@@ -60,7 +60,7 @@ class RunKeywords(TypedDict, total=False):
     trajectory : Trajectory or str
         A trajectory of the plant, or its name.
     payload : bool or float
-        Whether the plant carries its load where the trajectory has one, or the share of it.
+        Whether the plant carries the load of the trajectory, or the share of it.
     schedule : sequence of mapping
         Plant parameters of each segment, in place of its load.
     conventions : Conventions
@@ -107,7 +107,7 @@ def simulate(
         alone holds every setting of ``fuzzyarm simulate``.
     plant : Plant, Trajectory, Motion, str or path-like, optional
         The plant; a trajectory of the arm; or set points made before. A string is the name or file
-        of a plant, which by default follows its first trajectory, if it has some. By default the
+        of a plant, which by default follows its first trajectory, if any. By default the
         shipped plant with the axes of the controller.
     **keywords
         ``trajectory``, ``payload``, ``schedule``, ``conventions``, ``options``, ``reference``,
@@ -164,7 +164,7 @@ def simulate(
 def _followed(
     chosen: Controller, plant: AnyWay | None, keywords: RunKeywords | ManyKeywords
 ) -> tuple[FollowedPlant | Motion, Mapping[str, AnySignal] | None]:
-    """Return the followed plant or motion, and references if it follows some."""
+    """Return the followed plant or motion, and its references, if any."""
     connect = keywords.get("connect")
     reference, step = keywords.get("reference"), keywords.get("step")
     referred = bool(reference) or step is not None or keywords.get("duration") is not None
@@ -195,7 +195,7 @@ def experiment_on(
     request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> tuple[Motion, Options]:
     """Return set points and options of a run; settings unknown to the plant raise."""
-    # Called for its errors: options that the plant does not have.
+    # Called for its errors: options unknown to the plant.
     follows(request, plant)
     plant, options = with_drives(request, plant)
     return set_points(request, controller, plant), options
@@ -210,7 +210,7 @@ class ManyKeywords(TypedDict, total=False):
     Attributes
     ----------
     executor : Executor
-        Any of :mod:`concurrent.futures`, as of loky, Dask (``client.get_executor()``) or mpi4py.
+        An executor of :mod:`concurrent.futures`, loky, Dask (``client.get_executor()``) or mpi4py.
     workers : int
         Number of runs at a time: by default one for each processor, or the number of workers of
         `executor`.
@@ -298,7 +298,7 @@ def simulate_many(
     watch = keywords.get("watch")
     # A row for each run: when it diverged, or NaN, then the metrics of each output.
     rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
-    # Closed whatever `watch` raises, so that no worker goes on.
+    # Closed even if `watch` raises, so that all workers stop.
     with closing(stream(bench, changes, count, executor=executor, workers=workers)) as parts:
         for first, part in parts:
             rows[first : first + len(part)] = part

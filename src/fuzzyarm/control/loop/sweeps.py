@@ -50,7 +50,7 @@ from fuzzyarm.requests.runs import SweepRequest, Workers
 class Sweep:
     """A prepared sweep: benches, swept values, and all that determines the results.
 
-    Each controller has a bench. The runs of all are numbered one controller after the other.
+    Each controller has a bench. Runs are numbered one controller after the other.
     """
 
     benches: tuple[Bench, ...]
@@ -71,11 +71,11 @@ class Sweep:
         return 1 + len(self.benches[0].outputs) * len(METRICS)
 
     def changes_of(self, bench: Bench) -> dict[str, Vector]:
-        """Return the swept values that a controller has; it lacks gains of the others."""
+        """Return the swept values of a controller, without gains of the others."""
         return {name: values for name, values in self.changes.items() if name in bench.owners}
 
     def file(self, path: str) -> SweepFile:
-        """Return the journal of the sweep; that of several begins with the controller."""
+        """Return the journal of the sweep; of several controllers it begins with the controller."""
         bench, several = self.benches[0], len(self.benches)
         front: dict[str, Any] = {
             name: np.tile(values, several)
@@ -91,7 +91,7 @@ class Sweep:
     def results(self, rows: Vector) -> list[Many]:
         """Return the results of the first runs.
 
-        Of one controller these runs, of several a record for each one that has all its runs.
+        Of a single controller these runs, of several a record for each complete one.
         """
         if len(self.benches) == 1:
             return [many_of(self.benches[0], self.changes, rows)] if len(rows) else []
@@ -145,14 +145,14 @@ def sweep_of(request: SweepRequest, controllers: Sequence[Controller] = ()) -> S
 
 
 def _with_ranges(request: SweepRequest) -> SweepRequest:
-    """Return a request with ``--set NAME=A..B:N`` as the range that it is."""
+    """Return a request with ``--set NAME=A..B:N`` as a range."""
     ranges = tuple(word for word in request.set if ".." in word)
     settings = tuple(word for word in request.set if ".." not in word)
     return request.replaced(sweep=(*request.sweep, *ranges), set=settings)
 
 
 def _require_comparable(benches: Sequence[Bench]) -> None:
-    """Raise WordError for controllers of other references, or judged by other outputs."""
+    """Raise WordError for controllers of different references or judged outputs."""
     first, *others = benches
     for other in others:
         tasks = {bench.loop.controller.name: _task(bench) for bench in (first, other)}
@@ -165,13 +165,13 @@ def _require_comparable(benches: Sequence[Bench]) -> None:
 
 
 def _task(bench: Bench) -> tuple[str, str]:
-    """Return the references of a controller, and the outputs by which it is judged."""
+    """Return the references of a controller, and its judged outputs."""
     outputs = zip(bench.outputs, bench.units, strict=True)
     return bench.motion.name, " and ".join(f"{name} in {unit}" for name, unit in outputs)
 
 
 def require_sensible(request: SweepRequest) -> None:
-    """Raise for mistakes that show before anything is loaded."""
+    """Raise an error for mistakes that show before anything is loaded."""
     if request.metric not in METRICS:
         raise unknown_choice("metric", request.metric, METRICS)
     if request.resume and not request.out:
@@ -239,7 +239,7 @@ def answered(
     executor: Executor | None,
     moved: Callable[[int], None] = lambda _done: None,
 ) -> Answer:
-    """Run the missing runs. Ctrl-C or a failing run stops it, keeping the runs before.
+    """Execute the missing runs. Ctrl-C or a failing run stops it, keeping the runs before.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def answered(
     except KeyboardInterrupt:
         interrupted = True
     except (FuzzyarmError, MemoryError) as error:
-        # Nothing computed: nothing to keep.
+        # No result: no file to keep.
         if not count:
             raise
         faults.append(sentence_of(error))
@@ -310,7 +310,7 @@ def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
 
 
 def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
-    """Append rows; after a failed write the runs go on for the report, but the file ends."""
+    """Append rows; after a failed write the runs continue for the report, but the file ends."""
     try:
         file.append(first, part)
     except OSError as error:

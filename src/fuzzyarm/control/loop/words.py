@@ -82,7 +82,7 @@ def motion_of(request: ExperimentRequest, controller: Controller, plant: Plant) 
 def references_of(
     request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> dict[str, Signal] | None:
-    """Return the references by port; ``step`` is for the output that the controller follows."""
+    """Return the references by port; ``step`` is for the output followed by the controller."""
     references = signals(request) or None
     if request.step is None:
         return references
