@@ -144,6 +144,12 @@ def _demand_region(checked: Checked) -> None:
             "a run may leave the ellipsoid of starts of this certificate on its way to rest (it has"
             " functions of cones), and a guard tests one ellipsoid",
         )
+    if checked.rests:
+        raise ExportError(
+            "with other parameters the loop of this certificate rests elsewhere, and a guard tests"
+            " one ellipsoid",
+            hint="prove it with one value of each parameter",
+        )
     if certificate.sensors:
         raise ExportError(
             f"the sensor of '{next(iter(certificate.sensors))}' does not give the state at its"

@@ -31,7 +31,7 @@ from fuzzyarm.proof.check.certificate import (
     read_certificate,
 )
 from fuzzyarm.proof.check.numbers import exact, float_above, float_below
-from fuzzyarm.proof.check.region import accepted, outside, region_facts, verified
+from fuzzyarm.proof.check.region import accepted, outside, region_facts, rests_of, verified
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task, covered
 from fuzzyarm.proof.claim.identity import gain_words, loop_digests
@@ -63,7 +63,7 @@ OF_MAPS = "each box leads into a region or into boxes before it (induction)"
 
 
 @json_properties(
-    "property=statement verdict region start_region rest fall continuous uncertain"
+    "property=statement verdict region start_region rest rests fall continuous uncertain"
     " certificate=certificate.seal evidence=words seconds reason"
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -90,6 +90,8 @@ class Checked(Shown):
         By state of the plant, how far from rest the loop may start along it alone.
     rest : dict of str to float
         Where the loop rests.
+    rests : dict of str to (float, float)
+        Between what, of states that rest elsewhere with other parameters.
     fall : float
         By what share V falls in each period at least.
     continuous : bool
@@ -115,6 +117,7 @@ class Checked(Shown):
     region: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     start_region: Mapping[str, float] = field(default_factory=dict)
     rest: Mapping[str, float] = field(default_factory=dict)
+    rests: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     fall: float = 0.0
     continuous: bool = False
     uncertain: tuple[str, ...] = ()
@@ -151,7 +154,9 @@ class Checked(Shown):
     def __str__(self) -> str:
         lines = [f"{self.verdict}: {self.statement}"]
         if self.region:
-            lines += region_lines(self.region, self.start_region, continuous=self.continuous)
+            lines += region_lines(
+                self.region, self.start_region, rests=self.rests, continuous=self.continuous
+            )
         return "\n".join([*lines, *(f"  {x}" for x in (self.reason, *self.words) if x)])
 
 
@@ -159,6 +164,7 @@ def region_lines(
     region: Mapping[str, tuple[float, float]],
     start_region: Mapping[str, float],
     *,
+    rests: Mapping[str, tuple[float, float]] | None = None,
     continuous: bool = False,
     arrival: bool = False,
 ) -> Iterator[str]:
@@ -175,9 +181,25 @@ def region_lines(
             ends = outward_text(low, up=False, digits=4), outward_text(high, up=True, digits=4)
             yield f"    {name} in {' .. '.join(ends)}{words}"
         else:
-            yield f"    {name} in {inward_interval(low, high, 4)}{words}"
+            yield f"    {name} {_reach_words(low, high, (rests or {}).get(name), 4)}{words}"
     if not arrival and not start_region:
         yield "  these are its farthest points; what memory starts as counts as well"
+
+
+def _reach_words(low: float, high: float, rests: tuple[float, float] | None, digits: int) -> str:
+    """Say how far an ellipsoid reaches: around each rest, where that depends on parameters."""
+    if rests is None:
+        return f"in {inward_interval(low, high, digits)}"
+    far = outward_text((high - low - (rests[1] - rests[0])) / 2, up=False, digits=digits)
+    return f"± {far} around where it rests, {_rest_words(rests, digits)}"
+
+
+def _rest_words(rests: tuple[float, float], digits: int) -> str:
+    ends = (
+        outward_text(end, up=up, digits=digits)
+        for end, up in zip(rests, (False, True), strict=True)
+    )
+    return f"{' .. '.join(ends)} by its parameters"
 
 
 def check_certificate(
@@ -266,7 +288,7 @@ def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
     words = [checked.statement + ("" if checked.continuous else ", as sampled")]
     if checked.region and not (checked.claim.start or checked.certificate.tubes):
         reach = [
-            f"{name} in {inward_interval(low, high, 6)}"
+            f"{name} {_reach_words(low, high, checked.rests.get(name), 6)}"
             for name, (low, high) in checked.region.items()
         ]
         words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
@@ -407,7 +429,11 @@ def ends_of_boxes(boxes: Sequence[Sequence[Pair]]) -> tuple[Any, Any]:
 
 def _loop_words(haven: Haven) -> str:
     loop = haven.loop
-    rest = ", ".join(f"{name} = {float(x):.6g}" for name, x in loop.rest.items())
+    wide = rests_of(loop)
+    rest = ", ".join(
+        f"{name} = {_rest_words(wide[name], 6) if name in wide else f'{float(x):.6g}'}"
+        for name, x in loop.rest.items()
+    )
     gains = f", unknown gains: {'; '.join(loop.words)}" if loop.words else ""
     return f"derived a loop of {loop.size} states at rest where {rest}{gains}"
 

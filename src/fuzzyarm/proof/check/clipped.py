@@ -17,6 +17,7 @@ from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.symbolic.kinds import SHAPES
 
 Corners = tuple[tuple[fmpq, fmpq], ...]
+Segment = tuple[fmpq, fmpq, fmpq, fmpq]
 
 
 class UndecidedError(Exception):
@@ -50,7 +51,7 @@ def height_at(corners: Corners, x: fmpq) -> fmpq:
 class ClippedSet:
     """Area and moment of a set of straight lines, clipped at a height, as polynomials of it."""
 
-    def __init__(self, segments: Sequence[tuple[fmpq, fmpq, fmpq, fmpq]]) -> None:
+    def __init__(self, segments: Sequence[Segment]) -> None:
         self.segments = segments
         heights = {y for _, y0, _, y1 in segments for y in (y0, y1)}
         self.levels = sorted(heights | {ZERO})

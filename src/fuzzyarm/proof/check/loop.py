@@ -21,6 +21,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -51,6 +53,7 @@ from fuzzyarm.proof.check.numbers import (
     Number,
     around,
     between,
+    ends,
     exact,
     greatest,
     is_point,
@@ -187,6 +190,16 @@ def checked_loop(
     return derivation.loop(in_cone=in_cone)
 
 
+@precisely
+def rest_within(
+    problem: LoopProblem, evidence: Evidence, surfaces: RuleSurfaces
+) -> dict[str, Fraction]:
+    """Return how far Krawczyk's operator reaches from the middle of the interval of a rest."""
+    names = tuple(evidence.rest)
+    derivation = _Derivation(problem, names, evidence, surfaces, continuous=False)
+    return {name: ends(far)[1] for name, far in derivation.krawczyk().items()}
+
+
 class _Derivation:
     def __init__(
         self, problem: LoopProblem, names: tuple[str, ...], evidence: Evidence,
@@ -206,12 +219,12 @@ class _Derivation:
         if continuous and self.memory:
             raise LoopProofError("in continuous time there is no memory")
         _demand_still(problem)
-        self.rest = self._rest()
 
     # --- rest ---
 
-    def _rest(self) -> dict[str, Number]:
-        """Return a ball for each of z that holds a rest of the loop, which is proved."""
+    @cached_property
+    def rest(self) -> dict[str, Number]:
+        """A ball for each of z that holds a rest of the loop, which is proved."""
         if set(self.evidence.rest) != set(self.names):
             raise LoopProofError("its rest is of other states")
         centre = {name: exact(self.evidence.rest[name][0]) for name in self.names}
@@ -222,9 +235,10 @@ class _Derivation:
             return centre
         if not all(far > 0 for far in doubt.values()):
             raise LoopProofError("its rest has no room")
-        box = {name: around(centre[name], doubt[name]) for name in self.names}
-        self._demand_krawczyk(centre, box)
-        return box
+        # Strictly less than the radius, so that K lies inside R.
+        if not all(far < doubt[name] for name, far in self.krawczyk().items()):
+            raise LoopProofError("that there is a rest in its interval is not proved")
+        return {name: around(centre[name], doubt[name]) for name in self.names}
 
     def _steered(self, at: Mapping[str, Number], variables: Sequence[str]) -> list[Slope]:
         """Return the rates of the plant and the steps of the memory, which are 0 at rest."""
@@ -251,9 +265,14 @@ class _Derivation:
         fixed = {key: Slope(x, {}) for key, x in parameters_of(self.problem).items()}
         return {**fixed, **{key: values[name] for key, name in pairs}}
 
-    def _demand_krawczyk(self, centre: Mapping[str, Number], box: Mapping[str, Number]) -> None:
-        """Refuse a box unless there is a rest in it, and one only."""
-        names = self.names
+    def krawczyk(self) -> dict[str, Number]:
+        """Return how far K reaches from m: if less than R, one rest is in R, and no other.
+
+        Whatever the parameters are: for each choice of them there is one.
+        """
+        names, rest = self.names, self.evidence.rest
+        centre = {name: exact(rest[name][0]) for name in names}
+        box = {name: around(centre[name], exact(rest[name][1])) for name in names}
         f = [[slope.value] for slope in self._steered(centre, ())]
         slopes = self._steered(box, names)
         jacobian = [[slope.along.get(name, ZERO) for name in names] for slope in slopes]
@@ -264,13 +283,13 @@ class _Derivation:
         # Any matrix will do, as long as the conclusions are rigorous.
         y = [[exact(float(x)) for x in row] for row in near]
         shift, turned = product(y, f), product(y, jacobian)
+        far = {}
         for i, name in enumerate(names):
-            # Row i of K − m; strictly less than the radius, so that K lies inside R.
-            total = -shift[i][0]
+            total = -shift[i][0]  # row i of K − m
             for j, other in enumerate(names):
                 total += (int(i == j) - turned[i][j]) * (box[other] - centre[other])
-            if not magnitude(total) < exact(self.evidence.rest[name][1]):
-                raise LoopProofError("that there is a rest in its interval is not proved")
+            far[name] = magnitude(total)
+        return far
 
     # --- one period ---
 

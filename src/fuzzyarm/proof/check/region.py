@@ -74,6 +74,9 @@ from fuzzyarm.proof.stop import check_time
 
 Rows = Sequence[Sequence[Number | Fraction]]
 
+ROUNDED = 1e-7
+"""Relative width up to which a rest is one point, that was found in floats."""
+
 
 def _exact(rows: Rows) -> Matrix:
     return [[exact(x) if isinstance(x, Fraction) else x for x in row] for row in rows]
@@ -516,6 +519,7 @@ def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -
         "region": where_states_are(problem, loop, region, ONE),
         "start_region": _along_alone(problem, loop, region.p),
         "rest": {name: float(loop.rest[name]) for name in loop.names},
+        "rests": rests_of(loop),
         "fall": float(region.rate),
         "continuous": region.continuous,
         "uncertain": loop.words,
@@ -528,10 +532,16 @@ def where_states_are(
     """Return where states can be if zᵀPz is at most a level; from 1 on it never is above γ."""
     reach = {}
     for name, half in reach_of(loop, level, region.p).items():
-        rest = float(loop.rest[name])
+        rest = loop.rest[name]
         low, high = _limits(problem, region.evidence.memory.get(name, ""))
-        reach[name] = max(rest - half, low), min(rest + half, high)
+        reach[name] = max(float_below(rest) - half, low), min(float_above(rest) + half, high)
     return reach
+
+
+def rests_of(loop: CheckedLoop) -> dict[str, tuple[float, float]]:
+    """Return between what states rest, of those that rest elsewhere with other parameters."""
+    ends = {n: (float_below(x), float_above(x)) for n, x in loop.rest.items()}
+    return {n: (a, b) for n, (a, b) in ends.items() if b - a > ROUNDED * max(abs(a), abs(b), 1.0)}
 
 
 def _limits(problem: LoopProblem, memory: str) -> tuple[float, float]:

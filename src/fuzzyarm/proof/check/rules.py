@@ -32,6 +32,7 @@ from fuzzyarm.language.model.rulebase import And, Hedged, Input, Is, Output, Rul
 from fuzzyarm.proof.check.clipped import (
     ClippedSet,
     Corners,
+    Segment,
     UndecidedError,
     corners_of,
     height_at,
@@ -130,7 +131,7 @@ class RuleSurface:
         shapes = {c.term: output.term(c.term).shape for _, _, c in conclusions}
         numbers = [shape.kind in ("singleton", "linear") for shape in shapes.values()]
         self.of_sets = not (record.weighs or all(numbers))
-        if self.of_sets and (any(numbers) or way.resolution is not None):
+        if self.of_sets and (any(numbers) or way.joined):
             raise self._refuse(f"defuzzifier {way} of these terms")
         clips = {block.implication for block, _, _ in conclusions} if self.of_sets else set()
         scaled = clips == {"product"}
@@ -211,11 +212,27 @@ class RuleSurface:
     def _set_of(self, shape: Shape) -> ClippedSet:
         corners = corners_of(shape, f"a term of '{self.output.name}'")
         low, high = exact(self.output.low), exact(self.output.high)
+        if self.output.defuzzifier.resolution is not None:
+            return ClippedSet(self._stairs(corners, low, high))
         cuts = [low, *sorted({x for x, _ in corners if low < x < high}), high]
         return ClippedSet([
             (a, height_beside(corners, a, right=True), b, height_beside(corners, b, right=False))
             for a, b in pairwise(cuts)
         ])  # fmt: skip
+
+    def _stairs(self, corners: Corners, low: fmpq, high: fmpq) -> list[Segment]:
+        """Return steps as wide as each sample counts, around it: their sums are the samples'."""
+        count, sampling = self.output.defuzzifier.resolution, self.output.defuzzifier.sampling
+        assert count is not None
+        stretches = count if sampling in ("midpoints", "left") else count - 1
+        step = (high - low) / stretches
+        segments = []
+        for k in range(count):
+            x = low + step * k + (step / 2 if sampling == "midpoints" else ZERO)
+            half = step / 4 if sampling == "trapezoid" and k in (0, count - 1) else step / 2
+            y = height_at(corners, x)
+            segments.append((x - half, y, x + half, y))
+        return segments
 
     def _unite(self, count: int) -> None:
         """Add the groups of sets that overlap."""

@@ -49,12 +49,15 @@ class Affine:
         Weights of the variables; none is 0.
     low, high : Fraction or None
         Bounds of the signal for all values of the variables, where known.
+    doubt : Fraction
+        How far its true value at rest may be from the constant.
     """
 
     constant: Fraction
     parts: Mapping[str, Fraction] = field(default_factory=dict)
     low: Fraction | None = None
     high: Fraction | None = None
+    doubt: Fraction = ZERO
 
     @property
     def is_constant(self) -> bool:
@@ -70,7 +73,8 @@ class Affine:
         parts = {name: weight * by for name, weight in self.parts.items()}
         if not by:  # NaN times 0 is NaN
             parts = {name: ONE for name in self.parts if name in VALUELESS}
-        return Affine(self.constant * by, parts, *((ZERO, ZERO) if not by else (low, high)))
+        low, high = (low, high) if by else (ZERO, ZERO)
+        return Affine(self.constant * by, parts, low, high, self.doubt * abs(by))
 
     def plus(self, other: Affine) -> Affine:
         """Return the sum of two."""
@@ -85,7 +89,8 @@ class Affine:
             None if a is None or b is None else a + b
             for a, b in ((self.low, other.low), (self.high, other.high))
         )
-        return Affine(self.constant + other.constant, parts, low, high)
+        doubt = self.doubt + other.doubt
+        return Affine(self.constant + other.constant, parts, low, high, doubt)
 
     @property
     def deviation(self) -> Affine:
@@ -101,9 +106,9 @@ def number(value: float | Fraction) -> Affine:
     return Affine(exact, {}, exact, exact)
 
 
-def variable(name: str, rest: Fraction = ZERO) -> Affine:
-    """Return the form of a state that is `rest` at rest."""
-    return Affine(rest, {name: ONE})
+def variable(name: str, rest: Fraction = ZERO, doubt: Fraction = ZERO) -> Affine:
+    """Return the form of a state that is `rest` at rest, up to a doubt."""
+    return Affine(rest, {name: ONE}, doubt=doubt)
 
 
 @dataclass(frozen=True)
@@ -265,26 +270,30 @@ class AffineAlgebra(LoopAlgebra[Affine]):
             return x
         rest = x.constant
         for end, sign in ((low, 1), (high, -1)):
-            if end is not None and sign * (rest - end) <= 0:
+            if end is not None and sign * (rest - end) <= x.doubt:
                 raise NotAffineError(f"at rest a signal is {float(rest):.6g}, at {words}")
         # What is cut off is still this share of the deviation, wherever the signal can go.
         least = ONE
         for end, most in ((low, x.low), (high, x.high)):
             if end is not None:
-                share = ZERO if most is None else (end - rest) / (most - rest)
-                least = min(least, share if most is not None and _beyond(end, most, rest) else ONE)
+                room = abs(end - rest) - x.doubt
                 if most is None:
                     least = ZERO
+                elif _beyond(end, most, rest):
+                    least = min(least, room / (abs(most - rest) - x.doubt))
         if least < self.grip:
             least = self.grip
-            room = [None if end is None else (end - rest) / least for end in (low, high)]
-            self._note(x.deviation, room[0], room[1], words)
+            below, above = (
+                None if end is None else (end - rest - sign * x.doubt) / least
+                for end, sign in ((low, -1), (high, 1))
+            )
+            self._note(x.deviation, below, above, words)
         if least == ONE:
             return x
         answer = self.block(x.deviation.scaled((ONE - least) / 2), words)
         middle = x.deviation.scaled((ONE + least) / 2)
         form = middle.plus(answer)
-        return Affine(rest, form.parts, low, high)
+        return Affine(rest, form.parts, low, high, x.doubt)
 
     def block(self, v: Affine, words: str) -> Affine:
         """Add a block with |w| ≤ |v|; return its answer."""
@@ -344,11 +353,12 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         if self.is_search:
             # A limit: it does not hold, whichever side is a number.
             return a.is_constant or b.is_constant
-        if not way.constant:
+        room = abs(way.constant) - way.doubt
+        if room <= 0:
             raise NotAffineError(
                 "at rest the two signals of a choice, a limit or a maximum are equal"
             )
-        least, most = (-way.constant, None) if way.constant > 0 else (None, -way.constant)
+        least, most = (-room, None) if way.constant > 0 else (None, room)
         self._note(way, least, most, "a choice")
         return way.constant > 0
 

@@ -15,6 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from fuzzyarm.inference.engine import kept
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.check.certificate import Gains
 from fuzzyarm.proof.claim.problem import LoopProofError
@@ -46,7 +47,8 @@ class Conclusions:
         self._cache: dict[object, object] = {}
 
     def _prover(self, sheet: RuleBase, output: str) -> Prover:
-        prover = self._kept(("prover", id(sheet), output), lambda: Prover(sheet, output))
+        key = "prover", id(sheet), output
+        prover = self._kept(key, lambda: Prover(sheet, output, sampled=True))
         prover.stop = self.stop
         if prover.model is None:
             raise LoopProofError(
@@ -69,9 +71,9 @@ class Conclusions:
             if self.at_zero:
                 at |= dict.fromkeys(moving, ZERO)
             total = number(self._value_at(prover, at))
-            slopes = self._slopes_at(prover, {name: float(x) for name, x in at.items()})
+            near = {name: float(x) for name, x in at.items()}
             for name, form in moving.items():
-                low, high = slopes.around(name)
+                low, high = self._slopes_at(prover, near).around(name)
                 total = total.plus(form.scaled((low + high) / 2))
             forms.append(Affine(total.constant, total.parts))
         return forms
@@ -80,9 +82,7 @@ class Conclusions:
         return self._kept(("slopes", id(prover), tuple(at.items())), lambda: slopes_at(prover, at))
 
     def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
-        for name, low, high in self._universes(prover):
-            if not low <= at[name] <= high:
-                raise LoopProofError(f"at rest '{name}' is outside its universe")
+        self._demand_inside(prover, at)
         value = self._kept(("value", id(prover), tuple(at.items())), lambda: prover.exactly(at))
         if value is None:
             raise LoopProofError("no rule fires at rest")
@@ -95,9 +95,14 @@ class Conclusions:
         return self._cache[key]  # type: ignore[return-value]
 
     def near(self, sheet: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
-        """Return an output at a point, as a float."""
-        at = {name: Fraction(x) for name, x in inputs.items()}
-        return float(self._value_at(self._prover(sheet, output), at))
+        """Return an output at a point, as inference has it."""
+        self._demand_inside(self._prover(sheet, output), inputs)
+        return float(kept(sheet)(inputs)[output])
+
+    def _demand_inside(self, prover: Prover, at: Mapping[str, float | Fraction]) -> None:
+        for name, low, high in self._universes(prover):
+            if not low <= at[name] <= high:
+                raise LoopProofError(f"at rest '{name}' is outside its universe")
 
     @staticmethod
     def _universes(prover: Prover) -> list[tuple[str, Fraction, Fraction]]:
@@ -168,7 +173,8 @@ class Conclusions:
                 if name in moving
             }
             algebra.gains.append(Gains(exact, ends, weights, gains))
-        return Affine(value, parts.parts, *ends)
+        doubt = sum((max(map(abs, gains[n])) * inputs[n].doubt for n in gains if n), ZERO)
+        return Affine(value, parts.parts, *ends, doubt)
 
     def _region(
         self,
@@ -186,11 +192,12 @@ class Conclusions:
                 region[name] = (float(rest[name]), float(rest[name]))
                 continue
             # A region symmetric about rest, so that it is a bound on the deviation alone.
-            half = choice.share * min(high - rest[name], rest[name] - low)
+            doubt = inputs[name].doubt
+            half = choice.share * (min(high - rest[name], rest[name] - low) - doubt)
             half = half if half <= 0 else Fraction(end_of(half, low=True))
             if half <= 0 or not low <= rest[name] - half <= rest[name] + half <= high:
                 raise LoopProofError(f"at rest '{name}' is at the end of its universe")
-            region[name] = around(rest[name], half)
+            region[name] = around(rest[name], half + doubt)
             if signs[name]:
                 region[name] = _on_one_side(region[name], rest[name], signs[name])
             algebra.require(inputs[name], -half, half, f"'{name}' of {prover.rulebase.name}")
@@ -315,7 +322,8 @@ def _table_form(
         raise LoopProofError(f"a table with steps ('{sheet.default_mode}') jumps at rest")
     rest = [float(variable.constant) for variable in inputs.values()]
     for axis, x, variable in zip(sheet.axes, rest, inputs.values(), strict=True):
-        if Fraction(x) != variable.constant or x not in axis.levels:  # its value would be rounded
+        exactly = Fraction(x) == variable.constant and not variable.doubt
+        if not exactly or x not in axis.levels:  # its value would be rounded
             raise LoopProofError(f"at rest '{axis.name}' of a table is between two levels")
     values = np.asarray(sheet.values, float)
     total = Affine(ZERO)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 
 from flint import fmpq_mat
 
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.check.certificate import Evidence
+from fuzzyarm.proof.check.loop import rest_within
 from fuzzyarm.proof.check.numbers import ends, exact
+from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.affine import (
@@ -33,9 +37,16 @@ from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.stop import Stop, check_time
 from fuzzyarm.symbolic.nodes import Symbol
+from fuzzyarm.symbolic.operations import Interval
 
 DOUBT = 1e-9
 """How far the true rest is taken to be from one that was found in floats, at most."""
+
+MOST_OPEN = 6
+"""Parameters of which all corners are looked at."""
+
+WIDENINGS, WIDER = 16, 1.02
+"""How often the interval of a rest is widened, and to how much more than was found."""
 
 
 class FormMaker:
@@ -52,8 +63,10 @@ class FormMaker:
     ----------
     rest : dict of str to Fraction
         Where states and memory rest.
+    doubt : dict of str to Fraction
+        How far a true rest is from there at most, whatever the plant's parameters are.
     is_exact : bool
-        Whether that is exact; else it is near a rest that is not rational.
+        Whether that is exact; else the rest is not rational, or depends on parameters.
 
     Raises
     ------
@@ -70,7 +83,10 @@ class FormMaker:
         self.fixed = [name for name in self._memory_names() if " excess " in name]
         self.is_exact = True
         self.rest = self._rest()
-        self.plant = SampledPlant(problem, self.rest)
+        self.doubt = dict.fromkeys(self.rest, ZERO)
+        if not self.is_exact or self._moves_with_parameters():
+            self._find_doubt()
+        self.plant = SampledPlant(problem, self.rest, self.doubt)
 
     def _memory_names(self) -> list[str]:
         return list(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
@@ -129,7 +145,7 @@ class FormMaker:
     def _rest(self) -> dict[str, Fraction]:
         """Return where the loop rests: states and memory, exactly."""
         names = [*self.problem.states, *self.memory]
-        if not SampledPlant(self.problem, {}).is_affine:
+        if not SampledPlant(self.problem, {}, {}).is_affine:
             return self._rest_at_set_point(names) or self._rest_in_floats()
         rest: dict[str, Fraction] | None = None
         why = LoopProofError("the loop does not rest anywhere that is known")
@@ -177,6 +193,65 @@ class FormMaker:
         self.is_exact = of.is_exact = of.at_zero = False
         near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
         return {name: Fraction(value) for name, value in near.items()}
+
+    # --- a rest that is known by an interval ---
+
+    def _moves_with_parameters(self) -> bool:
+        """Tell whether the plant does not rest at an exact point for all of its parameters."""
+        problem = self.problem
+        if not any(span.low < span.high for span in problem.parameters.values()):
+            return False
+        algebra = self._algebra(Assumptions(), is_search=True)
+        states = {name: number(value) for name, value in self.rest.items()}
+        inputs, _, _ = self._one_period(algebra, states)
+        ranges = self._point_ranges(states, inputs)
+        return any(any(exact_bounds(root, ranges)) for root in self.equations.rates)
+
+    def _find_doubt(self) -> None:
+        """Fill in an interval that holds the rests of all parameters: middle and half."""
+        of = self._conclusions
+        self.is_exact = of.is_exact = of.at_zero = False
+        rests = [self.rest, *map(self._new_rest, self._corners())]
+        ends = {n: (min(r[n] for r in rests), max(r[n] for r in rests)) for n in self.rest}
+        self.rest = {name: (low + high) / 2 for name, (low, high) in ends.items()}
+        least = {n: Fraction(DOUBT) * max(abs(x), ONE) for n, x in self.rest.items()}
+        self.doubt = {name: (b - a) / 2 + least[name] for name, (a, b) in ends.items()}
+        if len(rests) == 1:
+            return
+        names = _program_names(self.problem, self.memory)
+        surfaces = RuleSurfaces()
+        # Krawczyk's operator takes gains to be free in their intervals, and finds a wider one.
+        for _ in range(WIDENINGS):
+            box = {name: (x, self.doubt[name]) for name, x in self.rest.items()}
+            found = rest_within(self.problem, Evidence(names, box, (), (), ONE, {}), surfaces)
+            wide = {n: max(least[n], Fraction(x * WIDER)) for n, x in found.items()}
+            if all(x < self.doubt[name] for name, x in found.items()):
+                return
+            self.doubt = {name: max(x, wide[name]) for name, x in self.doubt.items()}
+        raise LoopProofError(
+            "where the plant rests depends on its parameters",
+            hint="narrower intervals of them, as in 'with R in 5 .. 5.1', or a claim about a"
+            " bounded time for all of them, as in 'during 0 .. 10 ms'",
+        )
+
+    def _corners(self) -> list[dict[str, float]]:
+        """Return the corners of open parameters; of many, the ends of each alone."""
+        spans = self.problem.parameters
+        free = {name: span for name, span in spans.items() if span.low < span.high}
+        if len(free) > MOST_OPEN:
+            return [{name: x} for name, span in free.items() for x in (span.low, span.high)]
+        corners = product(*((span.low, span.high) for span in free.values())) if free else ()
+        return [dict(zip(free, corner, strict=True)) for corner in corners]
+
+    def _new_rest(self, values: Mapping[str, float]) -> dict[str, Fraction]:
+        points = {name: Interval(x, x) for name, x in values.items()}
+        problem = replace(self.problem, parameters={**self.problem.parameters, **points})
+        near = rest_in_floats(problem, self.memory, self._conclusions.near)
+        return {name: Fraction(value) for name, value in near.items()}
+
+    def rest_with(self, values: Mapping[str, float]) -> Mapping[str, Fraction]:
+        """Return where the loop rests with some values of its parameters."""
+        return self.rest if self.is_exact else self._new_rest(values)
 
     def _rest_of_affine(
         self, names: Sequence[str], near: Mapping[str, Fraction]
@@ -229,7 +304,7 @@ class FormMaker:
                 hint="leave out --continuous",
             )
         names = [*self.problem.states, *self.memory]
-        states = {name: variable(name, self.rest[name]) for name in names}
+        states = {name: variable(name, self.rest[name], self.doubt[name]) for name in names}
         try:
             inputs, after, outputs = self._one_period(algebra, states)
             for name in self.memory:
@@ -275,20 +350,16 @@ class FormMaker:
         for address, port in self.problem.site.interface.outputs.items():
             if port.bound >= Port.bound:
                 continue
-            room = Fraction(port.bound) - abs(outputs[address].constant)
+            room = Fraction(port.bound) - abs(outputs[address].constant) - outputs[address].doubt
             if room > 0:
                 label = self.problem.site.interface.label(address)
                 algebra.require(outputs[address], -room, room, f"the bound of '{label}'")
 
     def _evidence(self, choice: Assumptions, algebra: AffineAlgebra) -> Evidence:
         """Return the certificate's description of this form."""
-        doubt = {
-            name: ZERO if self.is_exact else Fraction(DOUBT) * max(abs(x), ONE)
-            for name, x in self.rest.items()
-        }
         return Evidence(
             _program_names(self.problem, self.memory),
-            {name: (x, doubt[name]) for name, x in self.rest.items()},
+            {name: (x, self.doubt[name]) for name, x in self.rest.items()},
             tuple(algebra.gains),
             tuple(algebra.spread),
             choice.grip,
@@ -310,7 +381,7 @@ class FormMaker:
         states: Mapping[str, Affine],
         inputs: Mapping[Address, Affine],
     ) -> None:
-        """Make sure that the plant rests, whatever its parameters are."""
+        """Make sure that the plant rests."""
         at = {name: number(state.constant) for name, state in states.items()}
         forms = {name: number(form.constant) for name, form in inputs.items()}
         if any(rate.constant for rate in self._rates(algebra, at, forms)):
@@ -318,16 +389,6 @@ class FormMaker:
                 "the plant does not rest where the controller does",
                 hint="a bias must balance it to the last digit; an integral finds the rest",
             )
-        if any(parameter.low < parameter.high for parameter in self.problem.parameters.values()):
-            ranges = self._point_ranges(at, forms)
-            for root in self.equations.rates:
-                low, high = exact_bounds(root, ranges)
-                if low or high:
-                    raise LoopProofError(
-                        "where the plant rests depends on its parameters",
-                        hint="one value of each, as in 'with R in 5 .. 5', or a claim about a"
-                        " bounded time for all of them, as in 'during 0 .. 10 ms'",
-                    )
 
     def _point_ranges(
         self, at: Mapping[str, Affine], driven: Mapping[Address, Affine]

@@ -57,10 +57,17 @@ class SampledPlant:
         The loop.
     rest : mapping of str to Fraction
         Where its states rest.
+    doubt : mapping of str to Fraction
+        How far the true rest may be from there.
     """
 
-    def __init__(self, problem: LoopProblem, rest: Mapping[str, Fraction]) -> None:
-        self.problem, self.rest = problem, rest
+    def __init__(
+        self,
+        problem: LoopProblem,
+        rest: Mapping[str, Fraction],
+        doubt: Mapping[str, Fraction],
+    ) -> None:
+        self.problem, self.rest, self.doubt = problem, rest, doubt
         self.equations = problem.equations
 
     @cached_property
@@ -88,7 +95,7 @@ class SampledPlant:
                 ranges[key] = (-math.inf, math.inf)
                 continue
             algebra.require(variable(name), -half, half, f"the box of '{name}'")
-            ranges[key] = around(self.rest[name], half)
+            ranges[key] = around(self.rest[name], half + self.doubt[name])
         interface = problem.site.interface
         for key, (address, port) in zip(equations.inputs, interface.inputs.items(), strict=True):
             form = inputs[address]

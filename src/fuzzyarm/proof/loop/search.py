@@ -29,7 +29,10 @@ from fuzzyarm.proof.stop import Stop
 WHOLE = 1 - Fraction(1, 2**20)
 """The share of a signal that remains within limits that hardly touch it."""
 
-SHARES = tuple(Fraction(x) for x in (1, 0.75, 0.5, 0.35, 0.25, 0.125, 0.0625, 0.03125))
+SHARES = (
+    *(Fraction(x) for x in (1, 0.75, 0.5, 0.35, 0.25)),
+    *(Fraction(1, 2**k) for k in range(3, 9)),
+)
 GRIPS = tuple(Fraction(x) for x in (0.7, 0.5, 0.3))
 
 
@@ -266,7 +269,12 @@ class _Search:
         to where the universes themselves end the region.
         """
         best = -math.inf
-        for share in SHARES[:6]:
+        for share in SHARES:
+            if share == SHARES[3] and best == -math.inf:
+                hopeless = self._hopeless(_tiny_box(self.maker, 1024))
+                if hopeless:
+                    yield hopeless
+                    return
             here = -math.inf
             for along in (True, False):
                 for proposal in self._boxes_of(share, along):

@@ -69,7 +69,7 @@ Tell = Callable[[str, int, float], None]
 
 
 @json_properties(
-    "property=statement verdict region start_region rest fall continuous uncertain"
+    "property=statement verdict region start_region rest rests fall continuous uncertain"
     " certificate=certificate.seal tube=whole_tube evidence pieces seconds reason line"
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -92,6 +92,8 @@ class LoopVerdict(Shown):
         What proves it.
     rest : dict of str to float
         Where the loop rests.
+    rests : dict of str to (float, float)
+        Between what, of states that rest elsewhere with other parameters.
     fall : float
         By what share V falls in each period at least; 0 for a loop in continuous time.
     continuous : bool
@@ -127,6 +129,7 @@ class LoopVerdict(Shown):
     start_region: Mapping[str, float] = field(default_factory=dict)
     certificate: Certificate | None = None
     rest: Mapping[str, float] = field(default_factory=dict)
+    rests: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     fall: float = 0.0
     continuous: bool = False
     evidence: tuple[str, ...] = ()
@@ -165,7 +168,7 @@ class LoopVerdict(Shown):
                 lines.append("  from there on in an ellipsoid around rest that is never left, in")
         if self.region:
             lines += region_lines(
-                self.region, self.start_region, continuous=self.continuous,
+                self.region, self.start_region, rests=self.rests, continuous=self.continuous,
                 arrival=self.tube is not None,
             )  # fmt: skip
         if self.reason:
@@ -400,7 +403,9 @@ class _Case:
             rate = _rate(maker.problem, loop, region, self.surfaces)
             region = replace(region, rate=rate)
             facts["fall"] = _float_down(rate)
-        against = contradiction(maker.problem, loop, region, stop=self.stop)
+        against = contradiction(
+            maker.problem, loop, region, stop=self.stop, rest_with=maker.rest_with
+        )
         if against:
             return None, f"a certificate is contradicted: {against}"
         self.loop = loop

@@ -9,7 +9,9 @@ contradicts says that fuzzyarm is wrong.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 
 import numpy as np
@@ -17,11 +19,14 @@ import numpy as np
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop
+from fuzzyarm.proof.check.numbers import exact
 from fuzzyarm.proof.check.region import has_known_start, start_quadric
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.enclosure import Vector
 from fuzzyarm.proof.loop.runs import converged, run_in_time, run_of
 from fuzzyarm.proof.stop import Stop
+
+RestWith = Callable[[Mapping[str, float]], Mapping[str, Fraction]]
 
 WITNESSES = 12
 """Runs; at the border of the starts, in directions that are drawn."""
@@ -35,13 +40,15 @@ SLACK = 1e-6
 
 def contradiction(
     problem: LoopProblem,
-    loop: CheckedLoop,
+    of_all: CheckedLoop,
     certificate: RegionProof,
     stop: Stop | None = None,
+    rest_with: RestWith | None = None,
 ) -> str:
     """Return which run contradicts a region that is as good as proved; empty: none of some did.
 
-    Only a region of the sampled loop has runs. TimeOverError: `stop` has come.
+    Only a region of the sampled loop has runs. With some values of parameters the loop rests at
+    `rest_with`, by default in the middle for all. TimeOverError: `stop` has come.
     """
     stop = stop or Stop()
     if certificate.continuous:
@@ -50,19 +57,19 @@ def contradiction(
     reach = np.sqrt(float(certificate.growth) * np.maximum(np.diag(np.linalg.inv(p)), 0.0))
     falls = certificate.growth == 1  # else functions of cones do
     duration = PERIODS * problem.period
-    for start, values in _starts(problem, loop, certificate):
+    for start, values, loop in _starts(problem, of_all, certificate, rest_with):
         stop.check()
         run = run_in_time(
             problem, start, values, duration, stop,
-            lambda run: _against(problem, loop, run, p, reach, falls=falls),
+            partial(_against, problem, loop, p=p, reach=reach, falls=falls),
         )  # fmt: skip
         if run is None:
             continue
-        against = _against(problem, loop, run, p, reach, falls=falls)
+        against = _against(problem, loop, run, p=p, reach=reach, falls=falls)
         if against:  # unless by the steps of its integrator only
             pair = converged(partial(_finer, problem, start, values, float(run.time[-1])), stop)
             if pair is not None:
-                against = _against(problem, loop, pair[1], p, reach, falls=falls)
+                against = _against(problem, loop, pair[1], p=p, reach=reach, falls=falls)
         if against:
             words = ", ".join(f"{name} = {x:.6g}" for name, x in {**start, **values}.items())
             return f"the run from {words} {against}"
@@ -80,31 +87,35 @@ def _finer(
 
 
 def _starts(
-    problem: LoopProblem, loop: CheckedLoop, certificate: RegionProof
-) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
-    """Yield starts at the border of those that the region holds, and parameters."""
+    problem: LoopProblem, loop: CheckedLoop, certificate: RegionProof,
+    rest_with: RestWith | None,
+) -> Iterator[tuple[dict[str, float], dict[str, float], CheckedLoop]]:  # fmt: skip
+    """Yield starts at the border of the region's, parameters, and the loop with these."""
     names = problem.states
     if not has_known_start(problem, loop):
         return
-    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
-    centre = -0.5 * np.linalg.solve(quadratic, linear)
-    level = -(constant + 0.5 * float(linear @ centre))
-    if level <= 0.0:
-        return
-    root = np.linalg.inv(np.linalg.cholesky(quadratic)).T
-    rest = np.array([float(loop.rest[name]) for name in names])
     generator = np.random.default_rng(0)
     free = {n: span for n, span in problem.parameters.items() if span.low < span.high}
     for _ in range(WITNESSES):
         way = generator.standard_normal(len(names))
         way /= np.linalg.norm(way)
-        at = rest + centre + 0.9999 * math.sqrt(level) * (root @ way)
         values = {n: float(generator.choice([span.low, span.high])) for n, span in free.items()}
-        yield dict(zip(names, map(float, at), strict=True)), values
+        if values and rest_with is not None:
+            at_rest = {name: exact(x) for name, x in rest_with(values).items()}
+            loop = replace(loop, rest=at_rest)
+        quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
+        centre = -0.5 * np.linalg.solve(quadratic, linear)
+        level = -(constant + 0.5 * float(linear @ centre))
+        if level <= 0.0:
+            return
+        root = np.linalg.inv(np.linalg.cholesky(quadratic)).T
+        rest = np.array([float(loop.rest[name]) for name in names])
+        at = rest + centre + 0.9999 * math.sqrt(level) * (root @ way)
+        yield dict(zip(names, map(float, at), strict=True)), values, loop
 
 
 def _against(
-    problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach: Vector, *, falls: bool
+    problem: LoopProblem, loop: CheckedLoop, run: Run, *, p: Vector, reach: Vector, falls: bool
 ) -> str:
     """Return the event of a run that no run from the region has."""
     if run.diverged is not None:

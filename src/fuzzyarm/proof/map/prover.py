@@ -95,6 +95,8 @@ class Prover:
         When to give up, and the callback for progress.
     exact : bool
         Compute everything in rationals.
+    sampled : bool
+        Cut a centroid of samples into pieces, too, see :func:`.straight.straight`.
 
     Attributes
     ----------
@@ -114,6 +116,7 @@ class Prover:
         tolerance: float | None = None,
         stop: Stop | None = None,
         exact: bool = False,
+        sampled: bool = False,
     ) -> None:
         self.rulebase = rulebase
         self.output: Output = rulebase.output(output)
@@ -132,7 +135,7 @@ class Prover:
         self.reason = ""
         self.model: Straight | None = None
         try:
-            self.model = straight(rulebase, output)
+            self.model = straight(rulebase, output, sampled=sampled)
         except NotStraightError as error:
             self.reason = str(error)
 

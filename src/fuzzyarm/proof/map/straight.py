@@ -17,10 +17,19 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.inference.aggregate import weights
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import Piece, straight_pieces
-from fuzzyarm.language.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Defuzzifier,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    RuleBase,
+)
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic.kinds import SHAPES
 
@@ -123,13 +132,14 @@ class Straight:
         return tuple(area > 0 for area in self.areas)
 
 
-def straight(rulebase: RuleBase, output: str) -> Straight:
+def straight(rulebase: RuleBase, output: str, *, sampled: bool = False) -> Straight:
     """Return one output of a rule base in exact numbers: its doubles are what they are.
 
+    A centroid of samples may count as that of stairs: exactly it, but of many pieces.
     NotStraightError: it is not made of straight pieces, the message says what is not.
     InferenceError: it cannot be evaluated at all.
     """
-    return _Reading(plan(rulebase), output).result()
+    return _Reading(plan(rulebase), output, sampled=sampled).result()
 
 
 def with_fixed(model: Straight, fixed: Mapping[int, Fraction]) -> Straight:
@@ -177,8 +187,8 @@ def height_at(corners: Corners, x: Fraction) -> Fraction:
 class _Reading:
     """Collects the propositions while the rules are read."""
 
-    def __init__(self, plan: Plan, output: str) -> None:
-        self.plan = plan
+    def __init__(self, plan: Plan, output: str, *, sampled: bool) -> None:
+        self.plan, self.sampled = plan, sampled
         self.output: OutputPlan = plan.outputs[output]
         self.inputs = {variable.name: i for i, variable in enumerate(plan.rulebase.inputs)}
         self.numbers: dict[tuple[str, str], int] = {}
@@ -232,7 +242,8 @@ class _Reading:
         is_average = record.figure in _AVERAGES and not record.inverts
         if not is_average or (record.both and not self.output.discrete):
             raise NotStraightError(f"defuzzifier {way.method} is not in straight pieces")
-        if way.resolution is not None and not self.output.discrete:
+        stairs = self.sampled and not way.joined
+        if way.resolution is not None and not self.output.discrete and not stairs:
             raise NotStraightError(f"defuzzifier {way} is sampled")
         if any(planned.threshold for planned in self.plan.rules):
             raise NotStraightError("a threshold of firing strengths makes jumps")
@@ -344,6 +355,8 @@ class _Reading:
         if member.hedges:
             raise NotStraightError(f"a hedge on '{output.name} is {member.term.name}'")
         low, high = Fraction(output.low), Fraction(output.high)
+        if output.defuzzifier.resolution is not None:
+            return _stairs(_corners(shape), low, high, output.defuzzifier)
         return straight_pieces(_corners(shape), low, high)  # type: ignore[arg-type]
 
     def _value(self, column: int) -> LinearConsequent:
@@ -380,6 +393,20 @@ def _exact(number: float) -> Fraction | float:
 
 def _corners(shape: object) -> Corners:
     return tuple((Fraction(x), Fraction(y)) for x, y in polyline(shape))  # type: ignore[arg-type]
+
+
+def _stairs(corners: Corners, low: Fraction, high: Fraction, way: Defuzzifier) -> list[Piece]:
+    """Return a set of stairs, a step around each sample: its sums are those of the samples."""
+    assert way.resolution is not None
+    count = way.resolution
+    step = (high - low) / (count if way.sampling in ("midpoints", "left") else count - 1)
+    first = low + step / 2 if way.sampling == "midpoints" else low
+    pieces = []
+    for k, weight in enumerate(weights(count, way.sampling)):
+        x, half = first + k * step, step * Fraction(weight) / 2
+        y = height_at(corners, x)
+        pieces.append(Piece(x - half, y, x + half, y, straight=True))  # type: ignore[arg-type]
+    return pieces
 
 
 def _has_product(node: StraightAntecedent) -> bool:
