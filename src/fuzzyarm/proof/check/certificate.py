@@ -45,139 +45,72 @@ class CertificateError(LoopProofError):
 
 
 class Gains(NamedTuple):
-    """Claim about one output of a rule base, or of a table, for its inputs in a region.
+    """Claim about one output of a rule base, or of a table, for its inputs in a region."""
 
-    Attributes
-    ----------
-    region : dict of str to (Fraction, Fraction)
-        Of the inputs that move.
-    between : (Fraction, Fraction)
-        Where the output lies there.
-    weights : dict of str to Fraction
-        Of the inputs in σ, where the output is σ times one gain; empty: it has slopes.
-    gains : dict of str to (Fraction, Fraction)
-        The gain along σ, by ``""``; or the slopes, by input.
-    """
-
-    region: Mapping[str, Pair]
-    between: Pair
+    region: Mapping[str, Pair]  # of the inputs that move
+    between: Pair  # where the output lies there
+    # Of the inputs in σ, where the output is σ times one gain; empty: it has slopes
     weights: Mapping[str, Fraction]
-    gains: Mapping[str, Pair]
+    gains: Mapping[str, Pair]  # the gain along σ, by ``""``; or the slopes, by input
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A certificate's claims about a loop near its equilibrium, to be checked.
+    """A certificate's claims about a loop near its equilibrium, to be checked."""
 
-    Attributes
-    ----------
-    memory : dict of str to str
-        By the name of a row of P, the symbol of the program that it is; states of the plant are
-        not there.
-    rest : dict of str to (Fraction, Fraction)
-        By the name of a row of P, the middle and the radius of an interval that holds its rest.
-    gains : tuple of Gains
-        In the order of the program.
-    spread : tuple of (int, int, Fraction, Fraction)
-        Which entries of the plant's matrix are uncertain gains, and between what they are.
-    grip : Fraction
-        Least share of a signal's deviation that limits leave; 1: they are not reached.
-    box : dict of str to Fraction
-        By state of a plant that is not affine, how far it may be from rest.
-    """
-
+    # By the name of a row of P, the symbol of the program that it is; states of the plant are not
+    # there
     memory: Mapping[str, str]
+    # By the name of a row of P, the middle and the radius of an interval that holds its rest
     rest: Mapping[str, Pair]
-    gains: tuple[Gains, ...]
+    gains: tuple[Gains, ...]  # in the order of the program
+    # Which entries of the plant's matrix are uncertain gains, and between what they are
     spread: tuple[tuple[int, int, Fraction, Fraction], ...]
-    grip: Fraction
+    grip: Fraction  # least share of a signal's deviation that limits leave; 1: they are not reached
+    # By state of a plant that is not affine, how far it may be from rest
     box: Mapping[str, Fraction]
 
 
 class Fall(NamedTuple):
-    """Multipliers by which V falls from one cone to another.
+    """Multipliers by which V falls from one cone to another."""
 
-    Attributes
-    ----------
-    multipliers : tuple of Fraction
-        Of the blocks.
-    sides : matrix of Fraction
-        Of products of the signals that bound both cones.
-    """
-
-    multipliers: tuple[Fraction, ...]
-    sides: Matrix
+    multipliers: tuple[Fraction, ...]  # of the blocks
+    sides: Matrix  # of products of the signals that bound both cones
 
 
 class Cone(NamedTuple):
-    """A part of the states, in which some inputs of rule bases are on one side of their rest.
+    """A part of the states, in which some inputs of rule bases are on one side of their rest."""
 
-    Attributes
-    ----------
-    gains : tuple of Gains
-        In the order of the program, of regions that end at rest where an input has a side.
-    p : matrix of Fraction
-        Of V in this part.
-    falls : tuple of Fall
-        To each cone, in their order; one alone: to any.
-    """
-
+    # In the order of the program, of regions that end at rest where an input has a side
     gains: tuple[Gains, ...]
-    p: Matrix
-    falls: tuple[Fall, ...]
+    p: Matrix  # of V in this part
+    falls: tuple[Fall, ...]  # to each cone, in their order; one alone: to any
 
 
 @dataclass(frozen=True)
 class RegionProof:
-    """A region V = zᵀPz ≤ 1 from which all runs go to rest; without cones none leaves it.
+    """A region V = zᵀPz ≤ 1 from which all runs go to rest; without cones none leaves it."""
 
-    Attributes
-    ----------
-    evidence : Evidence
-        The facts about the loop that the proof uses.
-    continuous : bool
-        Whether the loop is taken in continuous time.
-    p : matrix of Fraction
-        Of V.
-    multipliers : tuple of Fraction
-        Of the blocks.
-    rate : Fraction
-        By what share V falls in each period.
-    states : tuple of str
-        Names of the rows of P.
-    cones : tuple of Cone
-        Parts of the states with functions of their own, below V; then there are no multipliers.
-    growth : Fraction
-        How many times its start zᵀPz may be at most, at any sample; 1 without cones.
-    """
-
-    evidence: Evidence
-    continuous: bool
-    p: Matrix
-    multipliers: tuple[Fraction, ...]
-    rate: Fraction
-    states: tuple[str, ...]
+    evidence: Evidence  # the facts about the loop that the proof uses
+    continuous: bool  # whether the loop is taken in continuous time
+    p: Matrix  # of V
+    multipliers: tuple[Fraction, ...]  # of the blocks
+    rate: Fraction  # by what share V falls in each period
+    states: tuple[str, ...]  # names of the rows of P
+    # Parts of the states with functions of their own, below V; then there are no multipliers
     cones: tuple[Cone, ...] = ()
+    # How many times its start zᵀPz may be at most, at any sample; 1 without cones
     growth: Fraction = Fraction(1)
 
 
 class TubeProof(NamedTuple):
-    """A box of starts that is followed.
+    """A box of starts that is followed."""
 
-    Attributes
-    ----------
-    box : tuple of (Fraction, Fraction)
-        Of each state of the plant; what the loop remembers is as it begins.
-    periods : int
-        For how many control periods at most.
-    into : (str, int)
-        Where it arrives: in the region of a number (``regions``), or after just so many periods in
-        the union of the boxes of all ``tubes`` below a number; ``("", 0)`` where it is of a bounded
-        time.
-    """
-
-    box: tuple[Pair, ...]
-    periods: int
+    box: tuple[Pair, ...]  # of each state of the plant; what the loop remembers is as it begins
+    periods: int  # for how many control periods at most
+    # Where it arrives: in the region of a number (``regions``), or after just so many periods in
+    # the union of the boxes of all ``tubes`` below a number; ``("", 0)`` where it is of a bounded
+    # time
     into: tuple[Literal["regions", "tubes", ""], int] = ("", 0)
 
 

@@ -76,24 +76,12 @@ class Truth(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """Values that are affine in symbols, one for each set.
+    """Values that are affine in symbols, one for each set."""
 
-    Attributes
-    ----------
-    centre : ndarray, shape (sets,)
-        c.
-    weights : ndarray, shape (symbols, sets)
-        Of as many symbols as it is over.
-    rest : ndarray, shape (sets,)
-        Of what nothing more is known, not negative.
-    ends : (float, float)
-        Bounds set by a limit.
-    """
-
-    centre: Vector
-    weights: Vector
-    rest: Vector
-    ends: tuple[float, float] = (-math.inf, math.inf)
+    centre: Vector  # c; shape (sets,)
+    weights: Vector  # of as many symbols as it is over; shape (symbols, sets)
+    rest: Vector  # of what nothing more is known, not negative; shape (sets,)
+    ends: tuple[float, float] = (-math.inf, math.inf)  # bounds set by a limit
 
     @cached_property
     def reach(self) -> Vector:

@@ -79,29 +79,14 @@ JUMPS = (
 
 @dataclass(frozen=True, kw_only=True)
 class System:
-    """Matrices of a loop; numbers are balls where they are not exact.
+    """Matrices of a loop; numbers are balls where they are not exact."""
 
-    Attributes
-    ----------
-    size : int
-        How many z there are.
-    move : matrix
-        ``[A B]``.
-    blocks : matrix
-        ``[Cₖ Dₖ]``.
-    rows : tuple of (row, limit, str)
-        ``[g h]``, limit, and what it is.
-    period : float
-        s; 0 for a loop in continuous time.
-    sides : tuple of row
-        ``[g h]`` of signals that are not negative: of a cone.
-    """
-
-    size: int
-    move: Matrix
-    blocks: Matrix
-    rows: tuple[tuple[Sequence[Number], Number, str], ...]
-    period: float
+    size: int  # how many z there are
+    move: Matrix  # ``[A B]``
+    blocks: Matrix  # ``[Cₖ Dₖ]``
+    rows: tuple[tuple[Sequence[Number], Number, str], ...]  # ``[g h]``, limit, and what it is
+    period: float  # s; 0 for a loop in continuous time
+    # ``[g h]`` of signals that are not negative: of a cone
     sides: tuple[Sequence[Number], ...] = ()
 
     def rows_within(self) -> list[tuple[list[Number], Number, str]]:
@@ -131,37 +116,19 @@ class System:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedLoop(System):
-    """A loop as matrices; see the head of this module.
+    """A loop as matrices; see the head of this module."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of z.
-    rest : dict of str to number
-        A ball that holds it.
-    words : tuple of str
-        What each block is.
-    seeds : dict of str to (number, dict of str to number)
-        What memory that begins as what it first sees is: a number and weights of how far states
-        of the plant are from rest.
-    begin : dict of str to number
-        Other memory before the first period.
-    drives : dict of (str, str) to LinearSignal
-        Inputs of the plant within its limits, by axis and port: held from one sample to the next.
-    outputs : dict of (str, str) to LinearSignal
-        Outputs of the plant, by axis and port.
-    still : set of str
-        Memory and inputs of the program beside z: they keep their start.
-    """
-
-    names: tuple[str, ...]
-    rest: Mapping[str, Number]
-    words: tuple[str, ...]
+    names: tuple[str, ...]  # of z
+    rest: Mapping[str, Number]  # a ball that holds it
+    words: tuple[str, ...]  # what each block is
+    # What memory that begins as what it first sees is: a number and weights of how far states of
+    # the plant are from rest
     seeds: Mapping[str, tuple[Number, Parts]]
-    begin: Mapping[str, Number]
+    begin: Mapping[str, Number]  # other memory before the first period
+    # Inputs of the plant within its limits, by axis and port: held from one sample to the next
     drives: Mapping[Address, LinearSignal]
-    outputs: Mapping[Address, LinearSignal]
-    still: Set[str]
+    outputs: Mapping[Address, LinearSignal]  # outputs of the plant, by axis and port
+    still: Set[str]  # memory and inputs of the program beside z: they keep their start
 
     def rows_of_drive(self, address: Address) -> list[list[Number]]:
         """Return rows g over z alone: a drive is as far from its rest as the largest |g z|."""

@@ -73,27 +73,17 @@ class Haven(NamedTuple):
 
 
 class Task(NamedTuple):
-    """Demands on boxes.
+    """Demands on boxes."""
 
-    Attributes
-    ----------
-    claim : LoopClaim or None
-        Demands on an output on the way.
-    into : tuple of int
-        Numbers of regions in which runs may arrive; none: they are followed to their last period.
-    boxes : tuple of ndarray, optional
-        Lower and upper ends of boxes, shape (boxes, states), that are as good as arrived; those of
-        a number that is below that of a set count for it. Only of a loop that remembers nothing.
-    arrived : callable, optional
-        Whether a number of periods and a bound of V are enough.
-    any_period : bool
-        Whether sets may be in the boxes after any period; else in their last one.
-    """
-
-    claim: LoopClaim | None = None
+    claim: LoopClaim | None = None  # demands on an output on the way
+    # Numbers of regions in which runs may arrive; none: they are followed to their last period
     into: tuple[int, ...] = ()
+    # Lower and upper ends of boxes, shape (boxes, states), that are as good as arrived; those of a
+    # number that is below that of a set count for it. Only of a loop that remembers nothing.
     boxes: tuple[Vector, Vector] | None = None
+    # Whether a number of periods and a bound of V are enough
     arrived: Callable[[int, float], bool] | None = None
+    # Whether sets may be in the boxes after any period; else in their last one
     any_period: bool = False
 
 

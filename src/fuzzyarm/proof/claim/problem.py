@@ -60,21 +60,11 @@ class ClaimError(LoopProofError):
 
 @dataclass(frozen=True)
 class PlantEquations:
-    """The equations of a plant as expressions over ``t``, ``x0`` …, ``u0`` … and ``p0`` ….
+    """The equations of a plant as expressions over ``t``, ``x0`` …, ``u0`` … and ``p0`` …."""
 
-    Attributes
-    ----------
-    rates : tuple of Node
-        Of the states, in their order.
-    outputs : tuple of Node
-        In the order of the ports.
-    states, inputs, parameters : tuple of str
-        The symbols, in the order of the plant.
-    """
-
-    rates: tuple[Node, ...]
-    outputs: tuple[Node, ...]
-    states: tuple[str, ...]
+    rates: tuple[Node, ...]  # of the states, in their order
+    outputs: tuple[Node, ...]  # in the order of the ports
+    states: tuple[str, ...]  # states, inputs, parameters: the symbols, in the order of the plant
     inputs: tuple[str, ...]
     parameters: tuple[str, ...]
 

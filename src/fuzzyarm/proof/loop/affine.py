@@ -39,25 +39,15 @@ class MovingError(NotAffineError):
 
 @dataclass(frozen=True)
 class Affine:
-    """A constant and a sum of variables.
+    """A constant and a sum of variables."""
 
-    Attributes
-    ----------
-    constant : Fraction
-        Its value at rest.
-    parts : dict of str to Fraction
-        Weights of the variables; none is 0.
-    low, high : Fraction or None
-        Bounds of the signal for all values of the variables, where known.
-    doubt : Fraction
-        How far its true value at rest may be from the constant.
-    """
-
-    constant: Fraction
+    constant: Fraction  # its value at rest
+    # Weights of the variables; none is 0
     parts: Mapping[str, Fraction] = field(default_factory=dict)
+    # low, high: bounds of the signal for all values of the variables, where known
     low: Fraction | None = None
     high: Fraction | None = None
-    doubt: Fraction = ZERO
+    doubt: Fraction = ZERO  # how far its true value at rest may be from the constant
 
     @property
     def is_constant(self) -> bool:
@@ -113,41 +103,21 @@ def variable(name: str, rest: Fraction = ZERO, doubt: Fraction = ZERO) -> Affine
 
 @dataclass(frozen=True)
 class UncertainGain:
-    """An uncertain gain: the answer w of the variable `name` has |w| ≤ |v|.
+    """An uncertain gain: the answer w of the variable `name` has |w| ≤ |v|."""
 
-    Attributes
-    ----------
-    name : str
-        Of the variable of its answer.
-    v : Affine
-        What it answers, times the radius of the gain; without a constant.
-    words : str
-        What it is.
-    """
-
-    name: str
-    v: Affine
-    words: str
+    name: str  # of the variable of its answer
+    v: Affine  # what it answers, times the radius of the gain; without a constant
+    words: str  # what it is
 
 
 @dataclass(frozen=True)
 class SignalBound:
-    """Where the form is the loop: a signal must stay between two numbers.
+    """Where the form is the loop: a signal must stay between two numbers."""
 
-    Attributes
-    ----------
-    signal : Affine
-        Which; without a constant.
-    low, high : Fraction or None
-        Below and above 0; None for no end.
-    words : str
-        What it is.
-    """
-
-    signal: Affine
-    low: Fraction | None
+    signal: Affine  # Which; without a constant
+    low: Fraction | None  # low, high: below and above 0; None for no end
     high: Fraction | None
-    words: str
+    words: str  # what it is
 
     @property
     def limit(self) -> Fraction:

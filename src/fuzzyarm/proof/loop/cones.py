@@ -93,28 +93,14 @@ def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[C
 
 @dataclass(frozen=True)
 class _Part:
-    """A cone in coordinates in which V of the linear loop is about |z|².
+    """A cone in coordinates in which V of the linear loop is about |z|²."""
 
-    Attributes
-    ----------
-    a, b : ndarray, shapes (n, n) and (n, m)
-        Of the next z.
-    c : ndarray, shape (m, n + m)
-        Of the blocks.
-    units : ndarray, shape (m,)
-        Of the blocks.
-    sides : ndarray, shape (s, n)
-        Signals that are not negative, of length 1.
-    lengths : ndarray, shape (s,)
-        What they were before.
-    """
-
-    a: Vector
+    a: Vector  # a, b: of the next z; shapes (n, n) and (n, m)
     b: Vector
-    c: Vector
-    units: Vector
-    sides: Vector
-    lengths: Vector
+    c: Vector  # of the blocks; shape (m, n + m)
+    units: Vector  # of the blocks; shape (m,)
+    sides: Vector  # signals that are not negative, of length 1; shape (s, n)
+    lengths: Vector  # what they were before; shape (s,)
 
     @property
     def move(self) -> Vector:

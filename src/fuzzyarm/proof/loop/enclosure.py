@@ -51,11 +51,6 @@ def outward(low: Any, high: Any) -> Intervals:
 class Intervals:
     """An array of intervals. The results of all operations hold all true results.
 
-    Attributes
-    ----------
-    low, high : ndarray of float64
-        Of the same shape, `low` nowhere above `high`.
-
     Examples
     --------
     >>> tenth = outward(0.1, 0.1)
@@ -64,7 +59,7 @@ class Intervals:
     True
     """
 
-    low: Vector
+    low: Vector  # low, high: of the same shape, `low` nowhere above `high`
     high: Vector
 
     @classmethod

@@ -284,23 +284,13 @@ _RULES: dict[str, Rule] = {
 
 
 class Step(NamedTuple):
-    """The result of a step.
+    """The result of a step."""
 
-    Attributes
-    ----------
-    end : Forms
-        The states afterwards, shape (states, batch).
-    between : Intervals
-        The states at all times of the step.
-    bend : Intervals or None
-        How far they are from the straight line between the ends; None where that is not known.
-    remainder : ndarray
-        How far the last term of the series may be off, shape (states, batch).
-    """
-
-    end: Forms
-    between: Intervals
+    end: Forms  # the states afterwards, shape (states, batch)
+    between: Intervals  # the states at all times of the step
+    # How far they are from the straight line between the ends; None where that is not known
     bend: Intervals | None
+    # How far the last term of the series may be off, shape (states, batch)
     remainder: NDArray[np.float64]
 
 

@@ -96,45 +96,30 @@ class Box(NamedTuple):
 
 
 class Nearness(NamedTuple):
-    """How near to the goal boxes are.
+    """How near to the goal boxes are."""
 
-    Attributes
-    ----------
-    value : ndarray, shape (boxes,)
-        An upper bound of V, proved: at most 1 is at the goal; NaN where that cannot be.
-    starts : ndarray, shape (dimensions, boxes)
-        What each dimension of the box makes of the width, in units of the goal; only a hint.
-    rest : ndarray, shape (boxes,)
-        What everything else makes of it.
-    """
-
+    # An upper bound of V, proved: at most 1 is at the goal; NaN where that cannot be; shape
+    # (boxes,)
     value: Vector
+    # What each dimension of the box makes of the width, in units of the goal; only a hint; shape
+    # (dimensions, boxes)
     starts: Vector
-    rest: Vector
+    rest: Vector  # what everything else makes of it; shape (boxes,)
 
 
 class FollowedBoxes(NamedTuple):
-    """Results of boxes that were followed side by side; times in control periods.
+    """Results of boxes that were followed side by side; times in control periods."""
 
-    Attributes
-    ----------
-    begins, ends : ndarray, shape (steps,)
-        Of the steps.
-    between : Intervals, shape (steps, ports, boxes)
-        The ports at all times of each step.
-    at : Intervals, shape (steps + 1, ports, boxes)
-        The ports at the beginning and at the end of each step.
-    weight : ndarray, shape (dimensions, boxes)
-        How much of the width is due to each dimension of the first box, at most.
-    undone : ndarray of bool, shape (boxes,)
-        Of which boxes a demand is not proved, or which have not arrived where there is a goal.
-    """
-
-    begins: Vector
+    begins: Vector  # begins, ends: of the steps; shape (steps,)
     ends: Vector
-    between: Intervals
+    between: Intervals  # the ports at all times of each step; shape (steps, ports, boxes)
+    # The ports at the beginning and at the end of each step; shape (steps + 1, ports, boxes)
     at: Intervals
+    # How much of the width is due to each dimension of the first box, at most; shape (dimensions,
+    # boxes)
     weight: Vector
+    # Of which boxes a demand is not proved, or which have not arrived where there is a goal; shape
+    # (boxes,)
     undone: NDArray[np.bool_]
 
     def part(self, which: NDArray[np.bool_]) -> FollowedBoxes:

@@ -29,28 +29,17 @@ Matrix = tuple[tuple[Fraction, ...], ...]
 
 @dataclass(frozen=True)
 class Assumptions:
-    """The assumptions of a form; the smaller they are, the nearer to linear it is.
+    """The assumptions of a form; the smaller they are, the nearer to linear it is."""
 
-    Attributes
-    ----------
-    share : Fraction
-        Of the universes of rule bases: how far their inputs may go.
-    grip : Fraction
-        What limits leave of a signal's deviation; 1: they are not reached.
-    box : dict of str to Fraction
-        By state of the plant, how far it may be from rest; empty for a plant that is affine.
-    along : bool
-        Whether a rule base is a gain times the sum of its inputs that its linear law has, or a sum
-        of its own slopes along each input.
-    signs : tuple of int
-        Of the inputs of rule bases that move, in the order of the program: on which side of its
-        rest each is, 0 for both; empty: all are on both.
-    """
-
-    share: Fraction = ONE
-    grip: Fraction = ONE
+    share: Fraction = ONE  # of the universes of rule bases: how far their inputs may go
+    grip: Fraction = ONE  # what limits leave of a signal's deviation; 1: they are not reached
+    # By state of the plant, how far it may be from rest; empty for a plant that is affine
     box: Mapping[str, Fraction] = field(default_factory=dict)
+    # Whether a rule base is a gain times the sum of its inputs that its linear law has, or a sum of
+    # its own slopes along each input
     along: bool = True
+    # Of the inputs of rule bases that move, in the order of the program: on which side of its rest
+    # each is, 0 for both; empty: all are on both
     signs: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
@@ -61,54 +50,25 @@ class Assumptions:
 
 @dataclass(frozen=True)
 class Form:
-    """A loop as matrices; see the head of this module.
+    """A loop as matrices; see the head of this module."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of z: states of the plant, then memory of controller, sensors and actuators.
-    rest : dict of str to Fraction
-        Of each of them.
-    a, b : matrix of Fraction, shapes (n, n) and (n, m)
-        Of the next z, or of its rate.
-    radius : matrix of Fraction, shape (n, n + m)
-        How far the true ``[a b]`` may be from these numbers.
-    blocks : tuple of (row of Fraction)
-        ``[Cₖ Dₖ]`` of each block; Dₖ reads the answers of blocks before it only.
-    words : tuple of str
-        What each block is.
-    bounds : tuple of SignalBound
-        Where the form is the loop.
-    outputs : dict of (str, str) to Affine
-        Outputs and inputs of the plant, by axis and port.
-    seeds : dict of str to Affine
-        Initial memory as a function of the plant's states.
-    period : float
-        s; 0 for a loop in continuous time.
-    evidence : Evidence or None
-        What a certificate says of it.
-    inputs : tuple of (row of Fraction)
-        ``[g h]`` of the inputs of rule bases that move, in the order of the program.
-    edges : tuple of bool
-        Whether the rules may have an edge where each of them rests.
-    signs : tuple of int
-        On which side of its rest each of them is, see :class:`Assumptions`.
-    """
-
+    # Of z: states of the plant, then memory of controller, sensors and actuators
     names: tuple[str, ...]
-    rest: Mapping[str, Fraction]
-    a: Matrix
+    rest: Mapping[str, Fraction]  # of each of them
+    a: Matrix  # a, b: of the next z, or of its rate; shapes (n, n) and (n, m)
     b: Matrix
-    radius: Matrix
-    blocks: Matrix
-    words: tuple[str, ...]
-    bounds: tuple[SignalBound, ...]
-    outputs: Mapping[Address, Affine]
-    seeds: Mapping[str, Affine]
-    period: float
-    evidence: Evidence | None = None
+    radius: Matrix  # how far the true ``[a b]`` may be from these numbers; shape (n, n + m)
+    blocks: Matrix  # ``[Cₖ Dₖ]`` of each block; Dₖ reads the answers of blocks before it only
+    words: tuple[str, ...]  # what each block is
+    bounds: tuple[SignalBound, ...]  # where the form is the loop
+    outputs: Mapping[Address, Affine]  # outputs and inputs of the plant, by axis and port
+    seeds: Mapping[str, Affine]  # initial memory as a function of the plant's states
+    period: float  # s; 0 for a loop in continuous time
+    evidence: Evidence | None = None  # what a certificate says of it
+    # ``[g h]`` of the inputs of rule bases that move, in the order of the program
     inputs: Matrix = ()
-    edges: tuple[bool, ...] = ()
+    edges: tuple[bool, ...] = ()  # whether the rules may have an edge where each of them rests
+    # On which side of its rest each of them is, see :class:`Assumptions`
     signs: tuple[int, ...] = ()
 
     @property

@@ -36,19 +36,12 @@ from fuzzyarm.proof.stop import Stop
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate for the proof of a form, to be checked; all but the size as in a certificate.
+    """A candidate for the proof of a form, to be checked; all but the size as in a certificate."""
 
-    Attributes
-    ----------
-    p, multipliers, cones, growth
-        See :class:`~fuzzyarm.proof.check.certificate.RegionProof`.
-    size : float
-        The logarithm of the volume of the region, except for a constant.
-    """
-
+    # p, multipliers, cones, growth: see :class:`~fuzzyarm.proof.check.certificate.RegionProof`
     p: Matrix
     multipliers: tuple[Fraction, ...]
-    size: float
+    size: float  # the logarithm of the volume of the region, except for a constant
     cones: tuple[Cone, ...] = ()
     growth: Fraction = Fraction(1)
 

@@ -45,25 +45,13 @@ EXACTLY = 5.0
 
 @dataclass(frozen=True)
 class RuleSlope:
-    """The slope of a rule base or table at rest.
+    """The slope of a rule base or table at rest."""
 
-    Attributes
-    ----------
-    sheet : RuleBase or LookupTable
-        Which.
-    output, input : str
-        Of the output, along the input.
-    at : dict of str to float
-        All inputs at rest.
-    value : float
-        The slope.
-    """
-
-    sheet: RuleBase | LookupTable
-    output: str
+    sheet: RuleBase | LookupTable  # which
+    output: str  # output, input: of the output, along the input
     input: str
-    at: Mapping[str, float]
-    value: float
+    at: Mapping[str, float]  # all inputs at rest
+    value: float  # the slope
 
 
 @dataclass(frozen=True)
@@ -71,29 +59,18 @@ class OpenLoop:
     """A loop that is opened at one drive: ``z⁺ = A z + b u``, return ``-c z``.
 
     The loop transfer function is ``L(q) = c (q I - A)⁻¹ b``; the closed loop has ``u = -c z``.
-
-    Attributes
-    ----------
-    a, b, c : ndarray, shapes (n, n), (n,), (n,)
-        Sampled.
-    ahead : ndarray, shape (m, m + 1)
-        ``[J, g]``: rates of the plant by its states and by this drive, the others closed, for dead
-        times within a period; the first m of z are the states of the plant.
-    period : float
-        s.
-    part : float
-        Part of a period after which the drive acts, s, where its dead time ends inside one.
-    before : int
-        Of z, the drive of the period before, where there is such a part.
     """
 
-    a: Vector
+    a: Vector  # a, b, c: Sampled; shapes (n, n), (n,), (n,)
     b: Vector
     c: Vector
+    # ``[J, g]``: rates of the plant by its states and by this drive, the others closed, for dead
+    # times within a period; the first m of z are the states of the plant; shape (m, m + 1)
     ahead: Vector
-    period: float
+    period: float  # s
+    # Part of a period after which the drive acts, s, where its dead time ends inside one
     part: float = 0.0
-    before: int = -1
+    before: int = -1  # of z, the drive of the period before, where there is such a part
 
     def at(self, omega: Vector) -> Vector:
         """Return L at frequencies in rad/s."""

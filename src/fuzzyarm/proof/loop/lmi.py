@@ -26,18 +26,10 @@ from fuzzyarm.proof.stop import Stop
 
 @dataclass(frozen=True, eq=False)
 class Inequality:
-    """F₀ + Σ yᵢ Fᵢ > 0, of some matrices of one size at once.
+    """F₀ + Σ yᵢ Fᵢ > 0, of some matrices of one size at once."""
 
-    Attributes
-    ----------
-    constant : ndarray, shape (r, n, n)
-        F₀.
-    parts : ndarray, shape (k, r, n, n)
-        Fᵢ.
-    """
-
-    constant: Vector
-    parts: Vector
+    constant: Vector  # F₀; shape (r, n, n)
+    parts: Vector  # Fᵢ; shape (k, r, n, n)
 
     @property
     def size(self) -> int:

@@ -27,32 +27,21 @@ RUNS, GRID = 10, 13
 
 @dataclass(frozen=True)
 class RegionPlane:
-    """A proved region in the plane of two states of the plant.
+    """A proved region in the plane of two states of the plant."""
 
-    Attributes
-    ----------
-    names, units : tuple of str
-        Of both states.
-    shadow : ndarray, shape (n, 2)
-        The outline of all that the region holds.
-    start : ndarray, shape (n, 2)
-        The outline of the starts that are proved, the other states at rest. Empty where the region
-        holds none of them, or says nothing of what the controller has in memory at the start.
-    runs : tuple of ndarray, shape (m, 2)
-        Runs from the border of those starts.
-    settled, lost : ndarray, shape (k, 2)
-        Starts on a grid whose runs came to rest in the time of a run, and those that did not.
-    covered : float or None
-        Share of the settled ones that is proved; None where memory has a start of its own.
-    """
-
-    names: tuple[str, str]
+    names: tuple[str, str]  # names, units: of both states
     units: tuple[str, str]
-    shadow: Vector
+    shadow: Vector  # the outline of all that the region holds; shape (n, 2)
+    # The outline of the starts that are proved, the other states at rest. Empty where the region
+    # holds none of them, or says nothing of what the controller has in memory at the start; shape
+    # (n, 2)
     start: Vector
-    runs: tuple[Vector, ...]
+    runs: tuple[Vector, ...]  # runs from the border of those starts; shape (m, 2)
+    # settled, lost: starts on a grid whose runs came to rest in the time of a run, and those that
+    # did not; shape (k, 2)
     settled: Vector
     lost: Vector
+    # Share of the settled ones that is proved; None where memory has a start of its own
     covered: float | None
 
 

@@ -38,27 +38,13 @@ GRIPS = tuple(Fraction(x) for x in (0.7, 0.5, 0.3))
 
 @dataclass(frozen=True)
 class Proposal:
-    """A candidate for the proof of a claim.
+    """A candidate for the proof of a claim."""
 
-    Attributes
-    ----------
-    choice : Assumptions
-        What the form grants.
-    form : Form
-        The loop under it.
-    found : Candidate
-        Its P and the rest.
-    rate : Fraction
-        By what share V falls.
-    parts : tuple of Form
-        The loop in each cone.
-    """
-
-    choice: Assumptions
-    form: Form
-    found: Candidate
-    rate: Fraction = Fraction(0)
-    parts: tuple[Form, ...] = ()
+    choice: Assumptions  # what the form grants
+    form: Form  # the loop under it
+    found: Candidate  # its P and the rest
+    rate: Fraction = Fraction(0)  # by what share V falls
+    parts: tuple[Form, ...] = ()  # the loop in each cone
 
     @property
     def size(self) -> float:

@@ -20,21 +20,12 @@ Array = NDArray[Any]
 
 
 class Arithmetic(NamedTuple):
-    """How a proof computes.
+    """How a proof computes."""
 
-    Attributes
-    ----------
-    exact : bool
-        Whether nothing is ever rounded.
-    number : callable
-        From a Fraction to a number of its kind, the nearest where it rounds.
-    name : str
-        ``floats``, or the library of the rationals.
-    """
-
-    exact: bool
+    exact: bool  # whether nothing is ever rounded
+    # From a Fraction to a number of its kind, the nearest where it rounds
     number: Callable[[Fraction], Any]
-    name: str
+    name: str  # ``floats``, or the library of the rationals
 
     def array(self, values: Any) -> Array:
         """Return an array of numbers from (nested lists of) Fractions or whole numbers."""

@@ -161,31 +161,16 @@ def halving(dimension: int, degree: int, first: int, second: int, *, exact: bool
 
 @dataclass
 class Quotients:
-    """N / D on many simplices; D is not negative.
+    """N / D on many simplices; D is not negative."""
 
-    Attributes
-    ----------
-    upper, lower : ndarray, shape (simplices, coefficients)
-        Coefficients of N and of D.
-    error : ndarray of float64 or None
-        How far those of D may be off; those of N by `reach` times as much. None: exact.
-    reach : float
-        How large N / D may become where D is not 0.
-    corners : ndarray, shape (simplices, vertices, inputs)
-        The vertices, in shares of the cell.
-    owner : ndarray of int
-        The piece that each is a part of.
-    degree : int
-        Of both polynomials.
-    """
-
-    upper: Array
+    upper: Array  # upper, lower: coefficients of N and of D; shape (simplices, coefficients)
     lower: Array
+    # How far those of D may be off; those of N by `reach` times as much. None: exact.
     error: Array | None
-    reach: float
-    corners: Array
-    owner: Array
-    degree: int
+    reach: float  # how large N / D may become where D is not 0
+    corners: Array  # the vertices, in shares of the cell; shape (simplices, vertices, inputs)
+    owner: Array  # the piece that each is a part of
+    degree: int  # of both polynomials
 
     @property
     def exact(self) -> bool:
@@ -343,30 +328,14 @@ def _in_parts(count: int, stop: Stop) -> Iterator[slice]:
 
 
 class Extremum(NamedTuple):
-    """A supremum between two bounds.
+    """A supremum between two bounds."""
 
-    Attributes
-    ----------
-    reached : number
-        A value that is attained, or a limit; None if there is none.
-    bound : number
-        Bound of all values; None where there is no value.
-    corner : ndarray or None
-        Where, in shares of the cell of the piece.
-    owner : int
-        The piece.
-    pieces : int
-        How many simplices were looked at.
-    left : Quotients
-        The undecided pieces: none where `bound` is within the tolerance of `reached`.
-    """
-
-    reached: Any
-    bound: Any
-    corner: Array | None
-    owner: int
-    pieces: int
-    left: Quotients
+    reached: Any  # a value that is attained, or a limit; None if there is none
+    bound: Any  # bound of all values; None where there is no value
+    corner: Array | None  # Where, in shares of the cell of the piece
+    owner: int  # the piece
+    pieces: int  # how many simplices were looked at
+    left: Quotients  # the undecided pieces: none where `bound` is within the tolerance of `reached`
 
 
 MOST = 400_000

@@ -54,25 +54,17 @@ Figures = dict[str, Interval]
 
 
 class BoundingMethod(NamedTuple):
-    """How what a defuzzifier takes of an aggregate is bounded.
+    """How what a defuzzifier takes of an aggregate is bounded."""
 
-    Attributes
-    ----------
-    curves : callable or None
-        From the edges of panels and, for each side of the set, its lower and upper curve.
-    sums : callable or None
-        From the bounds of the least and the greatest value of numbers and, for each side, the
-        bounds of their weights.
-    midpoints : callable or None
-        From samples and bounds of their heights, where the sampling ``midpoints`` has a definition
-        of its own.
-    humps : mapping of str to callable
-        From the humps of maxima, for each of the numbers.
-    """
-
+    # From the edges of panels and, for each side of the set, its lower and upper curve
     curves: Callable[..., Figures] | None = None
+    # From the bounds of the least and the greatest value of numbers and, for each side, the bounds
+    # of their weights
     sums: Callable[..., Figures] | None = None
+    # From samples and bounds of their heights, where the sampling ``midpoints`` has a definition of
+    # its own
     midpoints: Callable[..., Interval] | None = None
+    # From the humps of maxima, for each of the numbers
     humps: Mapping[str, Callable[[Humps], Interval]] = MappingProxyType({})
 
 

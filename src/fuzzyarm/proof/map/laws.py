@@ -29,31 +29,19 @@ Gains = dict[str, Interval]
 
 @dataclass(frozen=True)
 class SignalLaw:
-    """A signal as a function of the sources.
+    """A signal as a function of the sources."""
 
-    Attributes
-    ----------
-    at, rest : Interval
-        All its values; its value where every source is 0.
-    gains, around : dict of str to Interval, or str
-        Slopes at the origin along each source alone, and over all pieces there; or why not.
-    linear : dict of str to float or None
-        Its weights, where it is a weighted sum of sources and nothing else.
-    along : Interval or str
-        Between which multiples of σ it lies; or why not.
-    slack : float
-        By so much it may leave those.
-    hole : str
-        Where it is not a number, or why that is open; empty where it is one everywhere.
-    """
-
-    at: Interval
+    at: Interval  # at, rest: all its values; its value where every source is 0
     rest: Interval
+    # gains, around: slopes at the origin along each source alone, and over all pieces there; or why
+    # not
     gains: Gains | str
     around: Gains | str
+    # Its weights, where it is a weighted sum of sources and nothing else
     linear: dict[str, float] | None
-    along: Interval | str
-    slack: float = 0.0
+    along: Interval | str  # between which multiples of σ it lies; or why not
+    slack: float = 0.0  # by so much it may leave those
+    # Where it is not a number, or why that is open; empty where it is one everywhere
     hole: str = ""
 
     @property

@@ -75,50 +75,26 @@ class Cell(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """The box of the inputs, and cuts besides those at corners.
+    """The box of the inputs, and cuts besides those at corners."""
 
-    Attributes
-    ----------
-    box : tuple of (Fraction, Fraction)
-        The stretch of each input.
-    positions : tuple of sequences of Fraction
-        Further cuts of each input.
-    mirrored : bool
-        Whether the heights at the opposite point (each input with the other sign) are needed
-        too: columns after the others.
-    form : tuple of Fraction
-        Weights of a sum of the inputs; pieces are cut where it is 0.
-    other : Straight, optional
-        Another rule base over the same inputs whose heights are needed, too: columns after the
-        others.
-    steps : bool
-        Whether what is compared with the rules jumps just above each of `positions`.
-    """
-
-    box: tuple[tuple[Fraction, Fraction], ...]
-    positions: tuple[Sequence[Fraction], ...] = ()
+    box: tuple[tuple[Fraction, Fraction], ...]  # the stretch of each input
+    positions: tuple[Sequence[Fraction], ...] = ()  # further cuts of each input
+    # Whether the heights at the opposite point (each input with the other sign) are needed too:
+    # columns after the others
     mirrored: bool = False
-    form: tuple[Fraction, ...] = ()
+    form: tuple[Fraction, ...] = ()  # weights of a sum of the inputs; pieces are cut where it is 0
+    # Another rule base over the same inputs whose heights are needed, too: columns after the others
     other: Straight | None = None
+    # Whether what is compared with the rules jumps just above each of `positions`
     steps: bool = False
 
 
 class System(NamedTuple):
-    """Heights over the pieces: of the rule base, at the opposite point, or of another rule base.
+    """Heights over the pieces: of the rule base, at the opposite point, or of another rule base."""
 
-    Attributes
-    ----------
-    model : Straight
-        The rule base.
-    shift : int
-        Where its propositions begin.
-    first : int
-        Where its columns begin.
-    """
-
-    model: Straight
-    shift: int
-    first: int
+    model: Straight  # the rule base
+    shift: int  # where its propositions begin
+    first: int  # where its columns begin
 
 
 def _systems_of(model: Straight, region: Cut) -> tuple[System, ...]:

@@ -135,33 +135,20 @@ def _largest_behind(values: Array) -> Array:
 
 
 class Humps(NamedTuple):
-    """Stretches of maxima, of which one or more are there: arrays of one shape (..., n).
+    """Stretches of maxima, of which one or more are there: arrays of one shape (..., n)."""
 
-    Attributes
-    ----------
-    left, right : ndarray
-        The first and the last position there can be.
-    latest_left, earliest_right : ndarray
-        Where it begins at the latest and ends at the earliest, if it is there.
-    can_be : ndarray of bool
-        Whether it may be there.
-    certain : ndarray of bool
-        Whether it is there in any case, and no hump of another set.
-    shortest, longest : ndarray
-        Bounds of its length (or of how many samples it has), if it is there.
-    inmost : ndarray
-        The position nearest to 0 that it could have: 0, or one of its samples.
-    """
-
-    left: Array
+    left: Array  # left, right: the first and the last position there can be
     right: Array
+    # latest_left, earliest_right: where it begins at the latest and ends at the earliest, if it is
+    # there
     latest_left: Array
     earliest_right: Array
-    can_be: Flags
-    certain: Flags
+    can_be: Flags  # whether it may be there
+    certain: Flags  # whether it is there in any case, and no hump of another set
+    # shortest, longest: bounds of its length (or of how many samples it has), if it is there
     shortest: Array
     longest: Array
-    inmost: Array
+    inmost: Array  # the position nearest to 0 that it could have: 0, or one of its samples
 
 
 def smallest_bounds(humps: Humps) -> tuple[Array, Array]:

@@ -76,51 +76,27 @@ class Straight:
 
     A *column* is one height: that of a consequent, folded over the rules that share it, or
     of each rule by itself where the aggregation adds.
-
-    Attributes
-    ----------
-    names : tuple of str
-        The inputs.
-    ranges : tuple of (Fraction or float, Fraction or float)
-        Of the inputs; infinite ends are floats.
-    propositions : tuple of Proposition
-        The terms that rules ask for.
-    rules : tuple of StraightRule
-        In order.
-    columns : int
-        How many heights there are.
-    adds : bool
-        Whether rules with the same column add up; otherwise the highest counts.
-    multiplies : bool
-        Whether antecedents are products of memberships rather than minima.
-    form : ClosedForm or None
-        Area and moment of the clipped sets, for the centroid of sets.
-    values : tuple of LinearConsequent
-        Of each column, for the average of numbers; the weight of a column is 1.
-    areas : tuple of Fraction
-        Weights of the columns in the average: 1, or the areas of scaled sets.
-    is_sum : bool
-        Whether the values are summed without division.
-    low, high : Fraction
-        What a centroid or an average cannot leave, where that is known; else infinite floats.
-    no_rule : float or None
-        The value where there is no other, None where there is none.
     """
 
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # the inputs
+    # Of the inputs; infinite ends are floats
     ranges: tuple[tuple[Fraction | float, Fraction | float], ...]
-    propositions: tuple[Proposition, ...]
-    rules: tuple[StraightRule, ...]
-    columns: int
-    adds: bool
-    multiplies: bool
-    form: ClosedForm | None
+    propositions: tuple[Proposition, ...]  # the terms that rules ask for
+    rules: tuple[StraightRule, ...]  # in order
+    columns: int  # how many heights there are
+    adds: bool  # whether rules with the same column add up; otherwise the highest counts
+    multiplies: bool  # whether antecedents are products of memberships rather than minima
+    form: ClosedForm | None  # area and moment of the clipped sets, for the centroid of sets
+    # Of each column, for the average of numbers; the weight of a column is 1
     values: tuple[LinearConsequent, ...]
+    # Weights of the columns in the average: 1, or the areas of scaled sets
     areas: tuple[Fraction, ...]
-    is_sum: bool
+    is_sum: bool  # whether the values are summed without division
+    # low, high: what a centroid or an average cannot leave, where that is known; else infinite
+    # floats
     low: Fraction | float
     high: Fraction | float
-    no_rule: float | None
+    no_rule: float | None  # the value where there is no other, None where there is none
 
     @property
     def counts(self) -> tuple[bool, ...]:
