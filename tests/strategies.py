@@ -9,6 +9,7 @@ round trips through text.
 from __future__ import annotations
 
 import functools
+import math
 import re
 from collections.abc import Sequence
 from itertools import pairwise
@@ -41,7 +42,7 @@ from fuzzyarm.language.model.rulebase import (
     Term,
     Tuning,
 )
-from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
 
 CONJUNCTIONS, DISJUNCTIONS = tuple(TNORMS), tuple(SNORMS)
 
@@ -94,6 +95,28 @@ def places(low: float, high: float) -> st.SearchStrategy[float]:
 ranges = st.tuples(
     st.sampled_from([-6.0, -1.0, 0.0, 10.0, -0.25]), st.sampled_from([1.0, 2.0, 12.0, 80.0])
 ).map(lambda pair: (pair[0], pair[0] + pair[1]))
+
+
+def numbers_of(kind: str, low: float, high: float) -> tuple[float, ...]:
+    """Numbers for a shape of any kind, also of a user's: what its record says of each parameter.
+
+    Widths are a quarter of the range; positions follow one another in it, at no round places.
+    """
+    record, width = SHAPES[kind], high - low
+    middle, steep = low + 0.6 * width, 12.0 / width
+    others: dict[str, tuple[float, ...]] = {
+        "binary": (middle, math.inf),
+        "points": (low, 0.1, low + 0.3 * width, 0.4, middle, 1.0, high, 0.2),
+        "bell": (middle, 0.3 * width, 1.7),
+        "sigmoid": (middle, steep),
+        "sigmoid-difference": (low + 0.2 * width, steep, middle, steep),
+        "sigmoid-product": (low + 0.2 * width, steep, middle, -steep),
+    }
+    wide, count = {*record.positive, *record.nonzero}, len(record.parameters)
+    return others.get(kind) or tuple(
+        0.25 * width if name in wide else low + width * (k + 0.65) / (count + 0.4)
+        for k, name in enumerate(record.parameters)
+    )
 
 
 @st.composite

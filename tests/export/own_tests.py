@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 
 import c_programs
 import numpy as np
+import pytest
 from c_programs import HOST
 from needs import need
 from scl_reader import Reader
 from st_programs import Program
+
+from fuzzyarm.exchange.export import controllers
+from fuzzyarm.exchange.export.controllers import ControllerProgram, Tried
 
 
 def failing_in_python(paths: Sequence[Path], folder: Path) -> list[str]:
@@ -118,10 +123,32 @@ def failing_in_scl(paths: Sequence[Path], folder: Path) -> list[str]:
 
 
 LANGUAGES = {
-    ".py": failing_in_python, ".mjs": failing_in_javascript, ".rs": failing_in_rust,
-    ".h": failing_in_c, ".scl": failing_in_scl,
+    ".py": failing_in_python, ".h": failing_in_c, ".scl": failing_in_scl,
+    ".mjs": failing_in_javascript, ".rs": failing_in_rust,
 }  # fmt: skip
-"""How the self-tests of files are run, by their suffix: what every language goes through."""
+"""How the self-tests of files are run, by their suffix: what every language goes through.
+
+Last those that need tools: where there are none, the others have been looked at.
+"""
+
+
+@pytest.fixture(scope="module")
+def tried_once() -> Iterator[None]:
+    """Try a controller once for all languages: its sequence depends on none of them."""
+    known: dict[tuple[object, ...], Tried] = {}
+    tried = ControllerProgram.tried.func
+
+    def once(program: ControllerProgram) -> Tried:
+        wide = program.widened and program.precision != "float64"
+        key = program.text.path, program.precision, program.q, wide, controllers.PERIODS
+        if key not in known:
+            known[key] = tried(program)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ControllerProgram, "tried", cached_property(once))
+        ControllerProgram.tried.__set_name__(ControllerProgram, "tried")
+        yield
 
 
 def failing(paths: Sequence[Path], folder: Path) -> list[str]:

@@ -21,6 +21,7 @@ from strategies import (
     blocks_of,
     input_points,
     inputs_of,
+    numbers_of,
     plain_mamdani,
     term_lists,
     value_terms,
@@ -48,7 +49,7 @@ from fuzzyarm.language.model.rulebase import (
 )
 from fuzzyarm.symbolic import kinds, op
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.symbolic.nodes import Apply
+from fuzzyarm.symbolic.nodes import Apply, postorder
 from fuzzyarm.symbolic.operations import OPERATIONS
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -369,25 +370,13 @@ def test_what_is_walked_over_tables_needs_double_precision():
     assert "--precision mixed" in caught.value.hint
 
 
-KINDS = {
-    "triangle": (-1, 0.25, 1.5), "trapezoid": (-1.5, -0.7, 0.1, 1.9), "rectangle": (-1, 0.3),
-    "ramp": (1.25, -0.75), "binary": (0.5, math.inf), "points": (-1, 0.2, 0, 0.4, 0, 0.9, 0.7, 1),
-    "singleton": (0.5,), "gaussian": (0.3, 0.6), "two-sided-gaussian": (-0.5, 0.3, 0.4, 0.7),
-    "bell": (0.2, 0.8, 1.7), "sigmoid": (0.1, 3.0), "sigmoid-difference": (-0.8, 6, 0.9, 4),
-    "sigmoid-product": (-0.8, 6, 0.9, -4), "z": (-0.6, 1.1), "s": (-1.3, 0.7),
-    "pi": (-1.5, -0.3, 0.1, 1.6), "concave": (-0.5, 1.2), "cosine": (0.25, 2.5),
-    "spike": (0.1, 3.0), "arc": (-1.2, 1.0), "semi-ellipse": (-1.4, 0.9),
-}  # fmt: skip
-"""Numbers for a term of every kind."""
-
 EXACT = {"sqrt", "absolute", "floor"}
 """Functions of the mathematical library that round correctly everywhere."""
 
 
-def is_exact(routine):
-    nodes = [n for n in routine.program.nodes if isinstance(n, Apply)]
-    functions = {n.operation for n in nodes if OPERATIONS[n.operation].sort == "functions"}
-    return functions <= EXACT
+def is_exact(nodes):
+    used = {n.operation for n in nodes if isinstance(n, Apply)}
+    return {name for name in used if OPERATIONS[name].sort == "functions"} <= EXACT
 
 
 def degrees_of(shapes, hedges=()):
@@ -417,7 +406,7 @@ def compared_in_c(model, tmp_path, columns, *others):
     results = run_c(routines, [columns] * len(routines), tmp_path)
     for routine, found in zip(routines, results, strict=True):
         expected = routine.evaluate(*columns)
-        if is_exact(routine):
+        if is_exact(routine.program.nodes):
             assert found.tobytes() == expected.tobytes()
         else:
             single = routine.precision.inside is np.float32
@@ -430,8 +419,8 @@ def compared_in_c(model, tmp_path, columns, *others):
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [1.0, 0.7])
 def test_every_kind_of_term_is_the_same_in_c(tmp_path, height):
-    shapes = [Shape(kind, numbers, height) for kind, numbers in KINDS.items()]
-    assert {*KINDS, "linear", "formula"} == {name for name in SHAPES if not SHAPES[name].own}
+    built_in = [name for name, kind in SHAPES.items() if kind.fuzzy and not kind.own]
+    shapes = [Shape(kind, numbers_of(kind, -2.0, 2.0), height) for kind in built_in]
     shapes.append(Shape("formula", (), height, "exp(-abs(x)) * (1 + min(x, 0, -0.1) / 2)"))
     model = degrees_of(shapes)
     x = np.unique(
@@ -443,11 +432,12 @@ def test_every_kind_of_term_is_the_same_in_c(tmp_path, height):
             continue
         kind = SHAPES[shape.kind]
         expected = np.array([height * kind.scalar(v, *shape.parameters) for v in x.tolist()])
-        if kind.straight or not is_exact(routine):
+        exact = is_exact(routine.program.nodes)
+        assert exact == (kind.straight or is_exact(postorder(kind.expression)))
+        if kind.straight or not exact:
             np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
         else:
             np.testing.assert_array_equal(found, expected)
-    assert [is_exact(routine) for routine in routines].count(False) == 9
 
 
 def near(x):

@@ -13,7 +13,7 @@ from budget import part
 from c_programs import HOST
 from hostile_names import ALL, OF_RULES, of_axes, of_gains, of_ports, of_rules, of_signals
 from needs import requires
-from own_tests import LANGUAGES, failing
+from own_tests import LANGUAGES, failing, tried_once  # noqa: F401
 
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
@@ -41,9 +41,10 @@ def exported(folder: Path, suffix: str) -> list[Path]:
 
 
 @pytest.mark.slow(seconds=15)
-@pytest.mark.parametrize("suffix", LANGUAGES)
-def test_in_each_language(tmp_path, suffix):
-    assert failing(exported(tmp_path, suffix), tmp_path) == []
+@pytest.mark.usefixtures("tried_once")
+def test_in_each_language(tmp_path):
+    for suffix in LANGUAGES:
+        assert failing(exported(tmp_path, suffix), tmp_path) == [], suffix
 
 
 @pytest.mark.slow

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import subprocess
-from functools import cached_property
 from pathlib import Path
 
 import c_programs
 import pytest
 from budget import part
-from own_tests import LANGUAGES, failing, failing_in_rust
+from own_tests import LANGUAGES, failing, failing_in_rust, tried_once  # noqa: F401
 
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
-from fuzzyarm.exchange.export.controllers import ControllerProgram, Tried
 from fuzzyarm.symbolic.formulas import FRB
 from fuzzyarm.symbolic.operations import OPERATIONS
 
@@ -25,23 +23,7 @@ WRONG = {"carl.frb", "hidden.frb"}
 """Of the course example: a submission with a mistake, and lines for the grader alone."""
 
 
-@pytest.fixture(scope="module", autouse=True)
-def tried_once():
-    """Try a controller once for all languages: its sequence depends on none of them."""
-    known: dict[tuple[object, ...], Tried] = {}
-    tried = ControllerProgram.tried.func
-
-    def once(program: ControllerProgram) -> Tried:
-        wide = program.widened and program.precision != "float64"
-        key = exporting[0], program.precision, program.q, wide
-        if key not in known:
-            known[key] = tried(program)
-        return known[key]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ControllerProgram, "tried", cached_property(once))
-        ControllerProgram.tried.__set_name__(ControllerProgram, "tried")
-        yield
+pytestmark = pytest.mark.usefixtures("tried_once")
 
 
 def every_function(folder: Path) -> Path:
@@ -59,17 +41,12 @@ def every_function(folder: Path) -> Path:
     return path
 
 
-exporting = [Path()]
-"""The file that is exported now."""
-
-
 def exported(folder: Path, suffix: str, capsys) -> tuple[list[Path], dict[str, str]]:
     """Return the files that were written, and what the command says of the others."""
     written, refused = [], {}
     for number, path in enumerate([*FILES, every_function(folder)]):
         out = folder / f"made_{number}_{path.stem.replace('-', '_').replace('+', '_')}{suffix}"
         words = ["compile", str(path), "-o", str(out), "--precision", "float64"]
-        exporting[0] = path
         if main(words) == 0:
             written.append(out)
         elif path.name not in WRONG:
@@ -86,20 +63,19 @@ REFUSED = {".scl": ["functions.frb"]}
 """SCL has no atan2."""
 
 
-@pytest.mark.slow(seconds=12)
-@pytest.mark.parametrize("suffix", LANGUAGES)
-def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix):
-    written, others = exported(tmp_path, suffix, capsys)
-    assert without_partners(others) == REFUSED.get(suffix, [])
-    assert len(written) > 50
-    assert failing(written, tmp_path) == []
+@pytest.mark.slow(seconds=45)  # what is tried for one language is known to the others
+def test_the_tests_of_all_files_pass(tmp_path, capsys):
+    for suffix in LANGUAGES:
+        written, others = exported(tmp_path, suffix, capsys)
+        assert without_partners(others) == REFUSED.get(suffix, []), suffix
+        assert len(written) > 50
+        assert failing(written, tmp_path) == [], suffix
 
 
 @pytest.mark.parametrize("option", ["-ffast-math", "-ffinite-math-only"])
 @pytest.mark.parametrize("source", ["examples/controllers/pd-heater.frb", "rulebases/pd7.frb"])
 def test_c_is_refused_by_a_compiler_for_which_nothing_is_nan(tmp_path, capfd, source, option):
     c_programs.need(c_programs.HOST)
-    exporting[0] = ROOT / source
     assert main(["compile", str(ROOT / source), "-o", str(tmp_path / "it.c")]) == 0
     command = [c_programs.HOST, "-std=c99", "-c", "it.c", "-o", "it.o"]
     assert subprocess.run(command, cwd=tmp_path, check=False).returncode == 0
@@ -111,12 +87,13 @@ DEFAULTS = (*LANGUAGES, ".c", ".st", ".xml")
 
 
 @pytest.mark.slow(seconds=15)
-def test_every_file_has_every_target_without_an_option(tmp_path, capsys):
+def test_every_file_has_every_target_without_an_option(tmp_path, capsys, monkeypatch):
+    # What is tried is run by nothing here: a short sequence will do.
+    monkeypatch.setattr("fuzzyarm.exchange.export.controllers.PERIODS", 20)
     refused = {}
     for number, path in enumerate(FILES):
         at = number % len(DEFAULTS)
         for suffix in part([*DEFAULTS[at:], *DEFAULTS[:at]], len(DEFAULTS)):
-            exporting[0] = path
             status = main(["compile", str(path), "-o", str(tmp_path / f"made_{number}{suffix}")])
             said = capsys.readouterr().err
             if status and path.name not in WRONG and "which is not text" not in said:
@@ -128,7 +105,6 @@ def test_every_file_has_every_target_without_an_option(tmp_path, capsys):
 def test_rust_needs_core_alone(tmp_path):
     paths = []
     for name in ("pd7", "servo", "fan", "soc-zero"):
-        exporting[0] = shipped(f"{name}.frb")
         paths.append(tmp_path / f"{name.replace('-', '_')}.rs")
         assert main(["compile", str(shipped(f"{name}.frb")), "-o", str(paths[-1])]) == 0
     assert failing_in_rust(paths, tmp_path, core_alone=True) == []

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import pytest
 from budget import crossed
+from strategies import numbers_of
 
 from fuzzyarm.exchange.formats import FOREIGN, PRODUCERS, parse, write
 from fuzzyarm.exchange.live.skfuzzy import to_skfuzzy
@@ -30,26 +31,6 @@ from fuzzyarm.symbolic.records import Kind
 PROGRAMS = [(suffix, producer) for suffix in FOREIGN for producer in (None, *PRODUCERS[suffix])]
 OWN = "own-kind"
 TRIANGLE = Shape("triangle", (0.0, 0.5, 1.0))
-
-NUMBERS = {
-    "triangle": (0.0, 0.5, 1.0), "trapezoid": (0.0, 0.25, 0.5, 1.0), "rectangle": (0.25, 0.5),
-    "ramp": (0.0, 1.0), "binary": (0.5, float("inf")), "points": (0.0, 0.0, 1.0, 1.0),
-    "singleton": (0.5,), "gaussian": (0.5, 0.25), "two-sided-gaussian": (0.25, 0.5, 0.5, 0.25),
-    "bell": (0.5, 0.25, 2.0), "sigmoid": (0.5, 4.0), "sigmoid-difference": (0.25, 4.0, 0.5, 4.0),
-    "sigmoid-product": (0.25, 4.0, 0.5, -4.0), "z": (0.0, 1.0), "s": (0.0, 1.0),
-    "pi": (0.0, 0.25, 0.5, 1.0), "concave": (0.5, 1.0), "cosine": (0.5, 1.0),
-    "spike": (0.5, 1.0), "arc": (0.0, 1.0), "semi-ellipse": (0.0, 1.0), "linear": (2.0, 3.0, 1.0),
-    "formula": (), OWN: (0.5, 0.25),
-}  # fmt: skip
-
-
-def numbers_of(name: str) -> tuple[float, ...]:
-    """Return the numbers of a shape; of one that has none above, what its record allows."""
-    kind = kinds.SHAPES[name]
-    usual = tuple(
-        1.5 if each in kind.positive else k + 0.5 for k, each in enumerate(kind.parameters)
-    )
-    return NUMBERS.get(name, usual)
 
 
 def built_in(registry: Mapping[str, Kind]) -> list[str]:
@@ -113,7 +94,9 @@ def answers(model: RuleBase, suffix: str, producer: str | None, word: str) -> No
 @pytest.mark.parametrize(("word", "program"), crossed(words(kinds.SHAPES), PROGRAMS), ids=str)
 def test_every_shape(word: str, program: tuple[str, str | None]) -> None:
     suffix, producer = program
-    shape = Shape(word, numbers_of(word), 1.0, "2 * x + exp(z)" if word == "formula" else "")
+    shape = Shape(
+        word, numbers_of(word, 0.0, 1.0), 1.0, "2 * x + exp(z)" if word == "formula" else ""
+    )
     if kinds.SHAPES[word].fuzzy:
         answers(rulebase(of_input=shape), suffix, producer, word)
     answers(rulebase(of_output=shape), suffix, producer, word)
@@ -153,7 +136,9 @@ def test_every_kind_goes_to_scikit_fuzzy_or_is_refused() -> None:
     models |= {f"hedge {hedge[0].name}": rulebase(hedges=hedge) for hedge in hedges}
     for name in (*built_in(kinds.SHAPES), OWN):
         formula = "x" if name == "formula" else ""
-        models[f"term {name}"] = rulebase(of_output=Shape(name, numbers_of(name), 1.0, formula))
+        models[f"term {name}"] = rulebase(
+            of_output=Shape(name, numbers_of(name, 0.0, 1.0), 1.0, formula)
+        )
     written = set()
     for what, model in models.items():
         system, diagnostics = to_skfuzzy(model)

@@ -150,7 +150,7 @@ CURVED = {
 """Exponentials of another library differ in their last bits."""
 
 
-MANY = cases(60, 200)
+MANY = cases(24, 200)
 """Points where an engine or a program takes many at once."""
 
 
@@ -244,7 +244,7 @@ console.log(JSON.stringify(found));
 @pytest.mark.slow
 @requires("node")
 def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
-    columns = {name: column.tolist() for name, column in points(60).items()}
+    columns = {name: column.tolist() for name, column in points(MANY).items()}
     for index, case in enumerate(CASES):
         (tmp_path / f"case{index}.mjs").write_text(javascript_of(case.rulebase()))
     (tmp_path / "run.mjs").write_text(NODE)
@@ -258,7 +258,7 @@ def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
     for index, case in enumerate(CASES):
         found = np.array(results[f"case{index}"])
         close = 1e-12 if str(case) in APART else 1e-7 if str(case) in CURVED else 0.0
-        demand_same(case, found, truth(case, 60), close)
+        demand_same(case, found, truth(case), close)
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 from budget import crossed, part
+from strategies import numbers_of
 
 import fuzzyarm
 from fuzzyarm.base.errors import FuzzyarmError
@@ -24,38 +25,17 @@ from tests.export.c_programs import run_c
 
 pytestmark = pytest.mark.filterwarnings("ignore:Passing more than 2 positional")
 
-NUMBERS = {
-    "triangle": "-2 0.5 2",
-    "trapezoid": "-3 -1 0.5 2",
-    "rectangle": "-1.03 1.51",
-    "ramp": "-2 1.5",
-    "binary": "0.53 inf",
+WRITTEN = {
     "points": "(-3, 0) (-1, 0.4) (0.5, 1) (3, 0.1)",
-    "singleton": "0.5",
-    "gaussian": "0.5 1.2",
-    "two-sided-gaussian": "-1 0.5 0.7 1.5",
-    "bell": "0.3 1.5 2",
-    "sigmoid": "0.4 2",
-    "sigmoid-difference": "-2 3 1.5 2",
-    "sigmoid-product": "-2 3 1.5 -2",
-    "z": "-1 2",
-    "s": "-2 1",
-    "pi": "-3 -1 0.5 2.5",
-    "concave": "-1 2",
-    "cosine": "0.4 4",
-    "spike": "0.3 5",
-    "arc": "-2 1.5",
-    "semi-ellipse": "-2 3",
     "linear": "0.5*a - 0.25*b + 1",
     "formula": '"0.5 * a + b ^ 2 / 8"',
 }
+"""Kinds whose numbers are more than a row."""
 
 
-def numbers_of(name: str) -> str:
-    """Return the numbers of a shape; of one that has none above, what its record allows."""
-    names, positive = SHAPES[name].parameters, SHAPES[name].positive
-    usual = (f"{1.5 if each in positive else k - 0.6:g}" for k, each in enumerate(names))
-    return NUMBERS.get(name) or " ".join(usual)
+def written(name: str) -> str:
+    """Return the numbers of a shape as its line has them."""
+    return WRITTEN.get(name) or " ".join(f"{x:g}" for x in numbers_of(name, -4.0, 4.0))
 
 
 Case = tuple[tuple[str, str], dict[str, str]]
@@ -89,9 +69,9 @@ def hedge_words(name: str) -> str:
 def shape_cases() -> Iterator[Case]:
     """Yield a term of each shape: of an input, of an output, and of Tsukamoto's."""
     for name in SHAPES:
-        line = f"term u S: {name} {numbers_of(name)}"
+        line = f"term u S: {name} {written(name)}"
         if name in SETS:
-            more = f"term a S: {name} {numbers_of(name)}"
+            more = f"term a S: {name} {written(name)}"
             yield ("input", name), {"term": "S", "more": more}
         if name in ("singleton", "linear", "formula"):
             values = "term u N: singleton -3\nterm u Z: singleton 0\nterm u P: singleton 2.5\n"

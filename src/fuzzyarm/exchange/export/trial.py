@@ -57,6 +57,19 @@ _EVALUATED = replace(
 )  # fmt: skip
 
 
+def _remembering(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that keeps its results: most errors that are tried leave most axes alone."""
+    kept: dict[str, Any] = {}
+
+    def asked(*numbers: Any) -> Any:
+        key = repr(numbers)  # of 0 with its sign
+        if key not in kept:
+            kept[key] = function(*numbers)
+        return kept[key]
+
+    return asked
+
+
 class EvaluatedController:
     """A controller as its program drives it.
 
@@ -73,6 +86,9 @@ class EvaluatedController:
         self._members = {key: name.partition(".")[2] for key, name in printer.members.items()}
         names: dict[str, Any] = {"single": np.float32}
         exec(compile(text, "program", "exec"), names)
+        for key, function in program.functions.items():
+            if not any(each.of_array for each in function.parameters.values()):
+                names[printer.called[key]] = _remembering(names[printer.called[key]])
         assert program.step is not None
         self.kinds = [variable.kind for variable in program.step.parameters.values()]
         self._new: Callable[[], Any] = names["Controller"]
