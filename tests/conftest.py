@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import gc
 import importlib.util
 import inspect
@@ -127,9 +128,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         gone = set(left)
         items[:] = [item for item in items if item not in gone]
     if config.getoption("--quick"):
-        left = [item for item in items if not is_long(item)]
-        config.hook.pytest_deselected(items=[item for item in items if is_long(item)])
-        items[:] = left
+        left: dict[bool, list[pytest.Item]] = {True: [], False: []}
+        for item in items:
+            left[is_long(item)].append(item)
+        config.hook.pytest_deselected(items=left[True])
+        items[:] = left[False]
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -166,19 +169,23 @@ def is_long(item: pytest.Item) -> bool:
         item.get_closest_marker("slow") is not None
         or bool({"browser", "runner"} & set(item.fixturenames))
         or is_of_pages(item.path)
-        or uses(item.function, STARTING, set())
+        or starts(inspect.unwrap(item.function))
     )
 
 
-def uses(function: Callable[..., object], names: set[str], seen: set[str]) -> bool:
-    """Whether a function, or one of its module that it calls, reads one of some names."""
-    code = inspect.unwrap(function).__code__
-    if names & {*code.co_names, *code.co_varnames[: code.co_argcount]}:
-        return True
-    beside = [name for name in code.co_names if name not in seen]
-    seen.update(beside)
-    functions = [function.__globals__.get(name) for name in beside]
-    return any(uses(each, names, seen) for each in functions if inspect.isfunction(each))
+@functools.cache
+def starts(function: Callable[..., object]) -> bool:
+    """Whether a function, or one of its module that it calls, reads one of `STARTING`."""
+    seen = {function}
+    for each in (waiting := [function]):  # it grows on the way
+        code = each.__code__
+        if STARTING & {*code.co_names, *code.co_varnames[: code.co_argcount]}:
+            return True
+        beside = (each.__globals__.get(name) for name in code.co_names)
+        new = {inspect.unwrap(each) for each in beside if inspect.isfunction(each)} - seen
+        seen |= new
+        waiting += new
+    return False
 
 
 @pytest.fixture

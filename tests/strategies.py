@@ -103,14 +103,24 @@ def numbers_of(kind: str, low: float, high: float) -> tuple[float, ...]:
     Widths are a quarter of the range; positions follow one another in it, at no round places.
     """
     record, width = SHAPES[kind], high - low
-    middle, steep = low + 0.6 * width, 12.0 / width
+    middle, steep, inner = low + 0.6 * width, 12.0 / width, low + 0.2 * width
     others: dict[str, tuple[float, ...]] = {
         "binary": (middle, math.inf),
-        "points": (low, 0.1, low + 0.3 * width, 0.4, middle, 1.0, high, 0.2),
+        "points": (
+            low + 0.1 * width,
+            0.1,
+            low + 0.3 * width,
+            0.4,
+            middle,
+            1.0,
+            high - 0.1 * width,
+            0.2,
+        ),
         "bell": (middle, 0.3 * width, 1.7),
         "sigmoid": (middle, steep),
-        "sigmoid-difference": (low + 0.2 * width, steep, middle, steep),
-        "sigmoid-product": (low + 0.2 * width, steep, middle, -steep),
+        "sigmoid-difference": (inner, steep, middle, steep),
+        "sigmoid-product": (inner, steep, middle, -steep),
+        "linear": (0.5, -0.25, 1.0),  # of two inputs
     }
     wide, count = {*record.positive, *record.nonzero}, len(record.parameters)
     return others.get(kind) or tuple(
