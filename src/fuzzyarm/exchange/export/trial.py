@@ -58,7 +58,7 @@ _EVALUATED = replace(
 
 
 def _remembering(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that keeps its results: most errors that are tried leave most axes alone."""
+    """Return a function that keeps its results: an error that is tried leaves most axes alone."""
     kept: dict[str, Any] = {}
 
     def asked(*numbers: Any) -> Any:
