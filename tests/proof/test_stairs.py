@@ -9,6 +9,7 @@ from flint import fmpq
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import fuzzyarm
 from fuzzyarm.language import parse
 from fuzzyarm.proof.check.rules import RuleSurface
 from fuzzyarm.proof.claim.problem import LoopProofError
@@ -82,6 +83,25 @@ def test_both_have_the_value_of_the_sums(x, y, count, sampling, aggregation):
     assert Prover(model, "u", sampled=True).exactly(at) == expected
     points = {name: (fmpq(*Fraction(z).as_integer_ratio()),) * 2 for name, z in at.items()}
     assert float(RuleSurface(model, "u").value(points)) == expected
+
+
+def test_at_a_vertical_edge_the_rounded_position_of_a_sample_decides():
+    """Positions are sums of floats: beside an edge at a tenth some fall to its other side."""
+    text = """rulebase edge
+input  x 0 .. 1
+output u -0.7 .. 1.3
+term x ON: trapezoid 0 0 1 1
+term u LOW: trapezoid -0.7 -0.7 EDGE EDGE
+inference defuzzifier centroid(21, endpoints)
+rule if x is ON then u is LOW
+"""
+    for edge in np.round(np.linspace(-0.6, 1.2, 19), 1):
+        model = parse(text.replace("EDGE", repr(float(edge)))).rulebase
+        assert model is not None
+        expected = pytest.approx(fuzzyarm.infer(model, x=0.5)["u"], abs=1e-12)
+        assert Prover(model, "u", sampled=True).exactly({"x": 0.5}) == expected
+        half = (fmpq(1, 2),) * 2
+        assert float(RuleSurface(model, "u").value({"x": half})) == expected
 
 
 @pytest.mark.parametrize("name", ["x", "y"])

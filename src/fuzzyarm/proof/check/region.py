@@ -345,7 +345,8 @@ def _floats(values: Sequence[Number]) -> list[float]:
 def _along_alone(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> dict[str, float]:
     """Return how far the loop may start along each state, the memory as it is at the start."""
     values: dict[str, float] = {}
-    if not has_known_start(problem, loop):
+    # Memory that begins at a number is at another distance from each rest.
+    if not has_known_start(problem, loop) or set(loop.begin) & set(rests_of(loop)):
         return values
     for k, name in enumerate(problem.states):
         quadratic, linear, c = start_quadric(problem, loop, p, (k,))
@@ -515,8 +516,13 @@ def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number
 
 def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
     """Return the contents of a region as facts of a verdict."""
+    starts = where_states_are(problem, loop, region, ONE)
+    for name in set(starts) - set(rests_of(loop)):  # of all points of its ball
+        low, high = starts[name]
+        width = float_above(loop.rest[name]) - float_below(loop.rest[name])
+        starts[name] = low + width, high - width
     return {
-        "region": where_states_are(problem, loop, region, ONE),
+        "region": starts,
         "start_region": _along_alone(problem, loop, region.p),
         "rest": {name: float(loop.rest[name]) for name in loop.names},
         "rests": rests_of(loop),

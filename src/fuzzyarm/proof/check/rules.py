@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 from flint import fmpq
 
+from fuzzyarm.inference.aggregate import sample_positions
 from fuzzyarm.language.model.rulebase import And, Hedged, Input, Is, Output, RuleBase, Shape
 from fuzzyarm.proof.check.clipped import (
     ClippedSet,
@@ -222,15 +223,18 @@ class RuleSurface:
 
     def _stairs(self, corners: Corners, low: fmpq, high: fmpq) -> list[Segment]:
         """Return steps as wide as each sample counts, around it: their sums are the samples'."""
-        count, sampling = self.output.defuzzifier.resolution, self.output.defuzzifier.sampling
+        way = self.output.defuzzifier
+        count, sampling = way.resolution, way.sampling
         assert count is not None
+        # Beside a vertical edge the last bit of a position decides, so heights are those there.
+        rounded = sample_positions(self.output.low, self.output.high, way)
         stretches = count if sampling in ("midpoints", "left") else count - 1
         step = (high - low) / stretches
         segments = []
-        for k in range(count):
+        for k, at in enumerate(rounded):
             x = low + step * k + (step / 2 if sampling == "midpoints" else ZERO)
             half = step / 4 if sampling == "trapezoid" and k in (0, count - 1) else step / 2
-            y = height_at(corners, x)
+            y = height_at(corners, exact(at))
             segments.append((x - half, y, x + half, y))
         return segments
 

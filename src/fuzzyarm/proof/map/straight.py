@@ -17,7 +17,7 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.inference.aggregate import weights
+from fuzzyarm.inference.aggregate import sample_positions, weights
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import Piece, straight_pieces
@@ -378,9 +378,11 @@ def _stairs(corners: Corners, low: Fraction, high: Fraction, way: Defuzzifier) -
     step = (high - low) / (count if way.sampling in ("midpoints", "left") else count - 1)
     first = low + step / 2 if way.sampling == "midpoints" else low
     pieces = []
-    for k, weight in enumerate(weights(count, way.sampling)):
+    # Beside a vertical edge the last bit of a position decides, so heights are those there.
+    rounded = sample_positions(float(low), float(high), way)
+    for k, (at, weight) in enumerate(zip(rounded, weights(count, way.sampling), strict=True)):
         x, half = first + k * step, step * Fraction(weight) / 2
-        y = height_at(corners, x)
+        y = height_at(corners, Fraction(at))
         pieces.append(Piece(x - half, y, x + half, y, straight=True))  # type: ignore[arg-type]
     return pieces
 
