@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import product
 
 from flint import fmpq_mat
@@ -65,6 +66,10 @@ class FormMaker:
         Where states and memory rest.
     doubt : dict of str to Fraction
         How far a true rest is from there at most, whatever the plant's parameters are.
+    begin : dict of str to float
+        The memory before the first period; NaN if it starts as its first reading.
+    memory : list of str
+        The memories that move.
     is_exact : bool
         Whether that is exact; else the rest is not rational, or depends on parameters.
 
@@ -79,17 +84,16 @@ class FormMaker:
         require_still(problem)
         self.equations = problem.equations
         self._conclusions = Conclusions(stop or Stop())
+        self.begin = dict(LoopPeriod(problem, self._algebra(Assumptions())).memory)
         # The excess over a limit is 0 as long as no limit holds: not a state of the form.
-        self.fixed = [name for name in self._memory_names() if " excess " in name]
+        self.fixed = [name for name in self.begin if " excess " in name]
+        self.memory = [name for name in self.begin if name not in self.fixed]
         self.is_exact = True
         self.rest = self._rest()
         self.doubt = dict.fromkeys(self.rest, ZERO)
         if not self.is_exact or self._moves_with_parameters():
             self._find_doubt()
         self.plant = SampledPlant(problem, self.rest, self.doubt)
-
-    def _memory_names(self) -> list[str]:
-        return list(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
 
     def _algebra(self, choice: Assumptions, *, is_search: bool = False) -> AffineAlgebra:
         of = self._conclusions
@@ -129,16 +133,6 @@ class FormMaker:
             key: states[name] for key, name in zip(equations.states, problem.states, strict=True)
         }
         return values
-
-    @property
-    def memory(self) -> list[str]:
-        """The memories that move."""
-        return [name for name in self._memory_names() if name not in self.fixed]
-
-    @property
-    def begin(self) -> dict[str, float]:
-        """The memory before the first period; NaN if it starts as its first reading."""
-        return dict(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
 
     # --- rest ---
 
@@ -218,7 +212,7 @@ class FormMaker:
         self.doubt = {name: (b - a) / 2 + least[name] for name, (a, b) in ends.items()}
         if len(rests) == 1:
             return
-        names = _program_names(self.problem, self.memory)
+        names = self._program_names
         surfaces = RuleSurfaces()
         # Krawczyk's operator takes gains to be free in their intervals, and finds a wider one.
         for _ in range(WIDENINGS):
@@ -334,7 +328,7 @@ class FormMaker:
             tuple(block.words for block in algebra.blocks),
             tuple(algebra.bounds),
             {**outputs, **inputs},
-            self._seeds(choice),
+            self._seeds,
             0.0 if continuous else self.problem.period,
             self._evidence(choice, algebra),
             tuple(row_of(x, names, count) for x, _ in algebra.inputs),
@@ -358,7 +352,7 @@ class FormMaker:
     def _evidence(self, choice: Assumptions, algebra: AffineAlgebra) -> Evidence:
         """Return the certificate's description of this form."""
         return Evidence(
-            _program_names(self.problem, self.memory),
+            self._program_names,
             {name: (x, self.doubt[name]) for name, x in self.rest.items()},
             tuple(algebra.gains),
             tuple(algebra.spread),
@@ -403,9 +397,14 @@ class FormMaker:
             ranges[key] = (Fraction(span.low), Fraction(span.high))
         return ranges
 
-    def _seeds(self, choice: Assumptions) -> dict[str, Affine]:
-        """Return memory that starts as its first reading, as a function of the plant's states."""
-        algebra = self._algebra(choice, is_search=True)
+    @cached_property
+    def _program_names(self) -> dict[str, str]:
+        return _program_names(self.problem, self.memory)
+
+    @cached_property
+    def _seeds(self) -> dict[str, Affine]:
+        """Memory that starts as its first reading, as a function of the plant's states."""
+        algebra = self._algebra(Assumptions(), is_search=True)
         states = {name: variable(name, self.rest[name]) for name in self.problem.states}
         period = LoopPeriod(self.problem, algebra)
         begun = {name: value for name, value in period.memory.items() if math.isnan(value)}
