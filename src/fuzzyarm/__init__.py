@@ -12,8 +12,7 @@ Read, check, write
     load                Return the rule base, controller or lookup table in the file at path,
                         by its suffix.
     load_rulebase       Return the rule base in the file at path, by its suffix.
-    load_controller     Return the controller in the .frb file at path, with the files that it
-                        uses.
+    load_controller     Return the controller in the .frb file at path, with its files.
     parse               Read text as a rule base; never raises.
     check_file          Check a file of any kind that load takes.
     check_text          Check the text of a .frb file: mistakes first; without any, doubts and

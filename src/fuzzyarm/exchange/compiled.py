@@ -56,7 +56,7 @@ class Making:
     levels : int, sequence of float, mapping of str to either, or None
         Levels of the inputs of tables.
     tolerance : float or None
-        In place of levels: greatest error of the smallest even grid.
+        In place of levels: permitted error, for the smallest even grid.
     rounding : float or None
         Rounding of table values; 0 for none.
     mode : str or None
@@ -168,7 +168,7 @@ def infers(model: RuleBase | LookupTable, how: Making) -> bool:
 def compiled(
     rulebase: RuleBase, output: str | None, how: Making, progress: Tell | None = None
 ) -> CompileReport:
-    """Return the table of an output, and its error: proved, or at points where that takes long.
+    """Return the table of an output, and its error: proved, or at points if a proof takes long.
 
     Raises
     ------
@@ -231,7 +231,7 @@ def routines_for(
         sources = [report.table for report in reports]
     default = _DEFAULTS.get(suffix, "mixed")
     _refuse_precision(suffix, how)
-    # Only the error in the mode in which the table is looked up goes into its head.
+    # The head states only the error in the table's lookup mode.
     proved = {
         report.table.output: fidelity.proved
         for report in reports
@@ -264,7 +264,7 @@ def _refuse_precision(suffix: str, how: Making) -> None:
 def program_of(
     controller: ControllerText, path: str | Path, how: Making, progress: Tell | None = None
 ) -> tuple[ExportedController, tuple[CompileReport, ...]]:
-    """Return a controller as a program, not yet written, and the tables that it looks up."""
+    """Return a controller as a program, not yet written, and its lookup tables."""
     from fuzzyarm.exchange.export import export_controller
 
     suffix = Path(path).suffix.lower()
@@ -280,7 +280,7 @@ def program_of(
 def controller_program(
     controller: ControllerText, how: Making, default: str, progress: Tell | None = None
 ) -> tuple[ControllerProgram, tuple[CompileReport, ...]]:
-    """Return a controller ready to be exported, and the tables that it looks up."""
+    """Return a controller ready for export, and its lookup tables."""
     from fuzzyarm.exchange.export import ControllerProgram, with_tables
 
     reports: dict[tuple[int, str], CompileReport] = {}
@@ -304,10 +304,10 @@ def controller_program(
 def _beside_rules(
     text: ControllerText, how: Making, reports: Mapping[tuple[int, str], CompileReport]
 ) -> str:
-    """Return how far each drive with tables can be from that with rules, where a bound is known.
+    """Return the known bounds of the difference between drives from tables and from rules.
 
-    Known is the proved error of a table, times the gain from there to the drive if that is
-    constant: limits and slews make no difference larger.
+    A bound is the proved error of a table times the constant gain from there to the drive: limits
+    and slews increase no difference.
     """
     errors = {
         key: fidelity.proved

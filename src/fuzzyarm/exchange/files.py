@@ -65,7 +65,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
     """
 
     def __init__(self, path: str) -> None:
-        from fuzzyarm.base.shipped_files import missing_file_hint  # takes pathlib along
+        from fuzzyarm.base.shipped_files import missing_file_hint  # imports pathlib
         from fuzzyarm.exchange.formats.not_texts import called
 
         endings = ", ".join((*READABLE, *TABLES))
@@ -176,7 +176,7 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
 def load_controller(
     path: str | os.PathLike[str], gains: Mapping[str, float | Sequence[float]] | None = None
 ) -> ControllerText:
-    """Return the controller in the ``.frb`` file at `path`, with the files that it uses.
+    """Return the controller in the ``.frb`` file at `path`, with its files.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def _sheet_of(model: RuleBase | LookupTable | ControllerText, path: str) -> Rule
 
 
 def controller_if_any(path: str) -> ControllerText | None:
-    """Return the controller in a file; None where it has none."""
+    """Return the controller in a file; None without one."""
     if not path.lower().endswith(".frb"):
         return None
     from fuzzyarm.control.controllers.text import ControllerText
@@ -241,7 +241,7 @@ def controller_if_any(path: str) -> ControllerText | None:
 
 
 def load_rules(path: str, option: str) -> RuleBase:
-    """Return the rule base in a file that was given for `option`."""
+    """Return the rule base in a file from `option`."""
     return _rules_of(load(path), path, option)
 
 
@@ -253,7 +253,7 @@ def _rules_of(model: RuleBase | LookupTable | ControllerText, path: str, option:
 
 
 def load_used_rules(path: str, option: str) -> RuleBase:
-    """Return the rule base in a file; of a controller the only one that it uses."""
+    """Return the rule base in a file; of a controller its only one."""
     from fuzzyarm.control.controllers.text import ControllerText
 
     model = load(path)
@@ -305,7 +305,7 @@ def export_file(
     Returns
     -------
     Exported or ExportedController
-        With the files that were written and the names of their functions.
+        With the written files and the names of their functions.
 
     Raises
     ------
@@ -352,7 +352,7 @@ def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 
 def _controller(model: ControllerModel, source: str, name: str) -> ControllerText:
-    """Return a controller with the files that it uses."""
+    """Return a controller with its files."""
     from fuzzyarm.control.controllers.text import home_of, with_files
 
     text, faults = with_files(model, home_of(name), name)
@@ -364,7 +364,7 @@ def _controller(model: ControllerModel, source: str, name: str) -> ControllerTex
 def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> RuleBase:
     """Return the rule base in a file of another program; `stacklevel` is that of a warning."""
     if suffix not in READABLE:
-        # A word without a suffix is rather a misspelt path than a file of an unknown kind.
+        # A word without a suffix is probably a misspelt path, not a file of an unknown kind.
         if not suffix and not os.path.exists(path):
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
         raise UnknownKindError(os.fspath(path))
@@ -380,12 +380,12 @@ def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> R
 
 
 class PlantOf(NamedTuple):
-    """The plant that a controller is checked against.
+    """The plant for the checks of a controller.
 
     Attributes
     ----------
     plant : Plant
-        A port that it lacks is an error.
+        The plant; a missing port is an error.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     """
@@ -404,7 +404,7 @@ class Review(NamedTuple):
     diagnostics : tuple of Diagnostic
         Errors; without any, also warnings and remarks. In the order of the text.
     rulebase : RuleBase or None
-        None where the text has errors, and for tables.
+        None for a text with errors, and for tables.
     """
 
     text: str
@@ -421,7 +421,7 @@ class Review(NamedTuple):
         return one_line(self, f"{self.summary}; {content}")
 
     def __str__(self) -> str:
-        """Return every finding with its line and a caret below what is at fault."""
+        """Return every finding with its line and a caret below the fault."""
         return render_all(self.diagnostics, self.text) or "no findings"
 
     @property
@@ -446,8 +446,8 @@ class Review(NamedTuple):
 def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Review:
     """Check the text of a ``.frb`` file: mistakes first; without any, doubts and expectations.
 
-    Never raises, whatever the text. A controller is checked on a plant, if one is given;
-    otherwise on the shipped one that has its axes.
+    Never raises, whatever the text. A controller is checked on the plant of `on`, else on the
+    shipped one with its axes.
 
     Parameters
     ----------
@@ -475,7 +475,7 @@ def check_parsed(
     on_step: Callable[[], None] = lambda: None,
     on: PlantOf | None = None,
 ) -> Review:
-    """Check a text that has been parsed already; see :func:`check_text`."""
+    """Check a parsed text; see :func:`check_text`."""
     diagnostics, doubts = list(parsed.diagnostics), list[Diagnostic]()
     # Doubts about a controller beside a rule base are judged with those of the rules, below.
     if parsed.whole is not None:
@@ -500,7 +500,7 @@ def _position(finding: Diagnostic) -> tuple[object, str]:
 def _of_controller(
     model: ControllerModel, parsed: Parsed, path: str, on: PlantOf | None
 ) -> tuple[list[Diagnostic], list[Diagnostic]]:
-    """Return the errors of a controller and its files, and the findings that may be silenced."""
+    """Return the errors of a controller and its files, and the findings open to ``# allow``."""
     from fuzzyarm.control.controllers.findings import doubts_of, sound_part
     from fuzzyarm.control.controllers.text import home_of, used_files, with_files
 
@@ -577,8 +577,8 @@ class Judgement(NamedTuple):
     Attributes
     ----------
     findings : list of Diagnostic
-        One for each outcome of an ``expect`` line that does not hold, and for each ``prove``
-        line that is refuted or takes too long for a check.
+        One for each false outcome of an ``expect`` line, and for each ``prove`` line that is
+        refuted or takes too long for a check.
     verdicts : tuple of Verdict
         On the ``prove`` lines.
     """
@@ -604,7 +604,7 @@ def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Jud
     Returns
     -------
     Judgement
-        The lines that do not hold, and the verdicts on the ``prove`` lines.
+        The failed lines, and the verdicts on the ``prove`` lines.
     """
     findings: list[Diagnostic] = []
     if rulebase.expectations:

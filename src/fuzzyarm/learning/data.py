@@ -525,7 +525,7 @@ class _Cells:
         return read
 
     def _target(self, name: str, wrong: list[Diagnostic]) -> tuple[Array, tuple[str, ...]]:
-        """Return the values of the target, and its classes where it has words."""
+        """Return the values of the target, and its classes if it has words."""
         if name not in self.names:
             return np.full(len(self.rows), math.nan), ()
         at = self.names.index(name)

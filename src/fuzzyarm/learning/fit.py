@@ -108,7 +108,7 @@ class TrainingErrors(NamedTuple):
 
 @json_properties("*")
 class FitCandidate(NamedTuple):
-    """A structure that was tried.
+    """A structure tried.
 
     Attributes
     ----------
@@ -149,9 +149,9 @@ class Fit:
     linear_cross_validation : float
         The same of linear regression.
     candidates : tuple of FitCandidate
-        The structures that were tried.
+        The structures tried.
     structure : str
-        The one that was chosen, in words.
+        The chosen one, in words.
     shrinkage : float
         Shrinkage of the consequents; NaN for Wang and Mendel's rules.
     support : tuple of float
@@ -315,7 +315,7 @@ def _searched(samples: Samples) -> Samples:
 
 
 class _Way(NamedTuple):
-    """A structure that was found, with its terms as they are written, and how."""
+    """A chosen structure, with its written terms, and the way to it."""
 
     best: StructureCandidate
     tried: list[StructureCandidate]
@@ -467,9 +467,9 @@ def _tried(
 def _moved(
     judge: CrossValidation, chosen: StructureCandidate, options: Options
 ) -> tuple[StructureCandidate, list[StructureCandidate], bool]:
-    """Return the structure with its terms moved, if that is better or requested."""
+    """Return the structure with its terms moved, if better or requested."""
     trials = [chosen]
-    if options.shrinkage is None:  # terms that have moved may leave conclusions more freedom
+    if options.shrinkage is None:  # moved terms may allow conclusions more freedom
         trials.append(replace(chosen, shrinkage=chosen.shrinkage / 30.0))
     candidates: list[StructureCandidate] = []
     try:
@@ -507,7 +507,7 @@ def _optimised(
 
 
 def _written(samples: Samples, options: Options, way: _Way, error: Error, clock: Deadline) -> Fit:
-    """Round, write, read back and score; take more digits where rounding shows."""
+    """Round, write, read back and score; use more digits if rounding shows."""
     best, premises, shrinkage = way.best, way.best.premises, way.best.shrinkage
     weights, scaling = consequents(premises, samples.inputs, samples.outputs, shrinkage)
     regressors = scaling.regressors(samples.inputs)

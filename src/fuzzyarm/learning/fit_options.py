@@ -11,7 +11,7 @@ from fuzzyarm.base.keywords import demand_arguments
 
 @dataclass(frozen=True)
 class Options:
-    """How a model is found.
+    """Options of the search for a model.
 
     Attributes
     ----------
@@ -46,8 +46,8 @@ class Options:
     seed : int
         Seed of all random numbers.
     nested : bool or None
-        Whether the whole way is judged by a cross-validation around it; None: up to
-        1000 samples, where the choice of a structure makes a difference.
+        Whether the whole way is judged by a cross-validation around it; None: up to 1000 samples,
+        if there is a choice of structures.
     seconds : float
         Wall time, at most; the best until then is taken.
     name, description : str

@@ -1,4 +1,4 @@
-"""A learned model as a rule base and as text: words for terms, numbers as short as they may be.
+"""A learned model as a rule base and as text: words for terms, numbers as short as possible.
 
 The written numbers count: the numbers of the terms are rounded first and the consequents are
 recomputed for them; a coefficient then keeps as many decimals as the error of the model needs.
@@ -75,7 +75,7 @@ def resolution(scale: float, digits: int) -> int:
 
 
 def round_to(value: float, decimals: int) -> float:
-    """Return the nearest number with so many decimals, which may be negative; never -0."""
+    """Return the nearest number with so many decimals (maybe negative); never -0."""
     return round(value, min(decimals, 300)) + 0.0
 
 
@@ -268,7 +268,7 @@ def _output(
 def weighted_output(
     name: str, low: float, high: float, terms: tuple[Term, ...], silent: float, outside: str
 ) -> Output:
-    """Return an output that averages its terms, with the value of where no rule fires."""
+    """Return an output that averages its terms, with its value for no rule."""
     return Output(
         name,
         low,
@@ -306,8 +306,8 @@ def commented(
 ) -> str:
     """Return canonical text with comments.
 
-    Rules from samples need not cover every combination of terms, for instance; an ``allow`` tells
-    the checks that this is intended.
+    Rules from samples need not cover every combination of terms, for instance; an ``allow`` marks
+    this as intended.
     """
     document = parse_document(write(rulebase))
     first, *others = document.statements

@@ -22,7 +22,7 @@ _MAYBE = {"yes": True, "no": False, "auto": None}
 
 
 def fit_options_of(request: FitRequest) -> Options:
-    """Return how the model is found."""
+    """Return the options of the search for a model."""
     words = _words(request.words) if request.words else Options.words
     if request.words and (request.terms or request.start != "grid"):
         raise UsageError("--words is for Wang and Mendel's rules, --terms and --start are not")
@@ -70,7 +70,7 @@ def _numbers(text: str, option: str) -> tuple[int, ...]:
 
 
 def samples_of(request: FitRequest) -> Samples:
-    """Return the training samples: those of a file, or samples of a model to be approximated."""
+    """Return the training samples: those of a file, or samples of a model to approximate."""
     if is_model(request.data):
         return _samples_of_model(request)
     inputs = tuple(request.inputs.split(",")) if request.inputs else None
@@ -78,7 +78,7 @@ def samples_of(request: FitRequest) -> Samples:
 
 
 def is_model(path: str) -> bool:
-    """Whether a file is sampled rather than read as samples."""
+    """Whether a file is a model to sample, not samples."""
     return Path(path).suffix.lower() in OF_MODELS
 
 

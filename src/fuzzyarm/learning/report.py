@@ -18,7 +18,7 @@ from fuzzyarm.learning.fit_options import Options
 )
 @dataclass(frozen=True)
 class CrossValidation:
-    """Errors on samples that were held back."""
+    """Errors on held-out samples."""
 
     fit: Fit
 
@@ -52,7 +52,7 @@ class FitReport:
 
     @property
     def cross_validation(self) -> CrossValidation:
-        """Errors on samples that were held back."""
+        """Errors on held-out samples."""
         return CrossValidation(self.fit)
 
 

@@ -139,7 +139,7 @@ def trained(
 
 
 class NoTableError(FuzzyarmError, ValueError):
-    """A controller that has no table that learns, or no such one."""
+    """A controller without a learning table, or without one of that name."""
 
 
 class Trainee:
@@ -205,7 +205,7 @@ class Trainee:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of the axes of the controller, each with a table of its own."""
+        """Names of the axes of the controller, each with its own table."""
         return self.text.model.axis_names
 
     @property
@@ -264,16 +264,16 @@ class Trainee:
 
 @json_properties("*")
 class TableState(NamedTuple):
-    """A table that learns.
+    """A learning table.
 
     Attributes
     ----------
     visited : int
-        Cells that were used.
+        Number of used cells.
     changed : int
         Cells that differ from the start.
     never_visited : int
-        Cells that were not used.
+        Number of unused cells.
     """
 
     visited: int

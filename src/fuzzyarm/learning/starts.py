@@ -38,7 +38,7 @@ NARROWEST, WIDEST = 0.08, 2.0
 
 
 def widths_of(inputs: Array) -> tuple[Array, Array]:
-    """Return the lowest value of each input, and how far it varies (1 where it does not)."""
+    """Return the lowest value of each input, and its range of variation (1 if constant)."""
     low = inputs.min(axis=0)
     width = inputs.max(axis=0) - low
     return low, np.where(width > 1e-12 * np.abs(low), width, 1.0)
@@ -73,7 +73,7 @@ def grid_premises(inputs: Array, counts: Sequence[int]) -> Premises:
         start = len(numbers)
         for i in range(count - 1):
             numbers += [float(low[k]) + (i + 0.5) * step, EVEN_SLOPE / step]
-            # Each crossing in a part of its own: terms keep their order by construction.
+            # Each crossing in its own part: terms keep their order by construction.
             bounds.append((float(low[k]) + i * step, float(low[k]) + (i + 1) * step, step))
             steepest = max(STEEPEST, 1.5 * EVEN_SLOPE * (count - 1)) / float(width[k])
             bounds.append((FLATTEST / float(width[k]), steepest, EVEN_SLOPE / step))
@@ -179,7 +179,7 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
     inputs : ndarray, shape (samples, inputs)
         Each input is scaled to its width.
     radius : float
-        Within which samples are neighbours, in widths; less gives more clusters.
+        Radius of neighbourhood, in widths; a smaller one gives more clusters.
     most : int
         Clusters.
 
@@ -269,7 +269,7 @@ def pruned(premises: Premises, inputs: Array, least: float = 1.0) -> Premises:
     inputs : ndarray, shape (samples, inputs)
         Inputs of the samples.
     least : float
-        Samples' worth of firing strength that a rule needs.
+        Minimum sum of a rule's firing strengths, in samples.
     """
     # Strengths of a sample add up to 1 over the rules, so a sum counts samples.
     support = premises.strengths(inputs).sum(axis=0)
@@ -280,7 +280,7 @@ def pruned(premises: Premises, inputs: Array, least: float = 1.0) -> Premises:
 
 
 def _tidied(premises: Premises, rules: list[tuple[int, ...]], numbers: Array) -> Premises:
-    """Return the rules with the terms that they use, and the numbers that these use, in order."""
+    """Return the rules with their terms, and the numbers of these, in order."""
     term_indices = {term for rule in rules for term in rule}
 
     def position(index: int) -> tuple[int, float]:

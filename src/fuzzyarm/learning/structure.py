@@ -54,14 +54,14 @@ Parts = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
 
 @dataclass(frozen=True)
 class StructureCandidate:
-    """A structure and how well it did.
+    """A structure and its score.
 
     Attributes
     ----------
     words : str
         Description for a person.
     premises : Premises
-        Its terms and rules, with the numbers that they start from.
+        Its terms and rules, with their initial numbers.
     shrinkage : float
         The best of its consequents.
     squares : ndarray, shape (samples,)
@@ -83,7 +83,7 @@ class StructureCandidate:
 
     @property
     def size(self) -> int:
-        """Number of rules, the price that a reader pays."""
+        """Number of rules, a measure of legibility."""
         return len(self.premises.rules)
 
 
@@ -107,7 +107,7 @@ class CrossValidation(NamedTuple):
         return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
     def judged(self, words: str, premises: Premises) -> StructureCandidate:
-        """Return a structure with its best shrinkage, its terms where they are."""
+        """Return a structure with its best shrinkage, without moving its terms."""
         squares = np.empty((len(self.shrinkages), len(self.inputs)))
         for train, test in self.parts:
             self.check()

@@ -1,6 +1,6 @@
-"""A Takagi–Sugeno model over arrays: its memberships, its consequents, and how they are found.
+"""A Takagi–Sugeno model over arrays: its memberships, its consequents, and their estimation.
 
-The output is the average of the consequents, weighed by how far the rules fire::
+The output is the average of the consequents, weighted by the firing strengths::
 
     y(x) = Σ_r w_r(x) (a_r · x + b_r) / Σ_r w_r(x),    w_r(x) = Π_j μ_rj(x_j)
 
@@ -112,7 +112,7 @@ class Premises:
 
     @cached_property
     def members(self) -> Array:
-        """1 where a rule has a term, shape (rules, terms)."""
+        """1 for each term of a rule, shape (rules, terms)."""
         values = np.zeros((len(self.rules), len(self.terms)))
         for row, rule in zip(values, self.rules, strict=True):
             row[list(rule)] = 1.0
@@ -153,7 +153,7 @@ class Premises:
         return values
 
     def strengths(self, inputs: Array) -> Array:
-        """Return how far each rule fires, as a share of all: shape (samples, rules), sum 1."""
+        """Return the firing strengths, normalised: shape (samples, rules), sum 1."""
         if not self.terms:
             return np.ones((len(inputs), 1))
         return self._shares(self.degrees(inputs))
@@ -252,7 +252,7 @@ def designed(shares: Array, regressors: Array) -> Array:
 
 
 def basis(regressors: Array) -> Array:
-    """Return orthonormal columns that span the regressors: those that depend are left out."""
+    """Return orthonormal columns that span the regressors, linearly dependent ones left out."""
     left, values, _ = np.linalg.svd(regressors, full_matrices=False)
     return left[:, values > 1e-10 * values[0]]
 

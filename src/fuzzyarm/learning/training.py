@@ -123,12 +123,12 @@ def train(
 
 @dataclass(frozen=True)
 class Training:
-    """A training made ready.
+    """A prepared training.
 
     Attributes
     ----------
     request : LearnRequest
-        With the plant that it runs on.
+        With its plant.
     name : str
         Name of the controller.
     trainee : Trainee

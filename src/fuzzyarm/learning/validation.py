@@ -68,7 +68,7 @@ class Region(NamedTuple):
 
 @json_properties("*")
 class RuleUse(NamedTuple):
-    """How a rule fires over the samples.
+    """The firing of a rule over the samples.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class RuleUse(NamedTuple):
     leads : int
         Samples at which no rule is stronger.
     error : float
-        Root mean square of the error, weighed by its firing strength; NaN where it never fires.
+        Root mean square of the error, weighted by its firing strength; NaN where it never fires.
     column : int
         Its column in the line: a row of a grid has several rules.
     """
@@ -152,7 +152,7 @@ class Validation(Plotted, JsonRecord):
     worst_sample : int
         Where the largest is, from 1; 0 for classes and without a target.
     explained : float
-        Share of the variance of the target that is explained (R²); NaN for classes, and for a
+        Explained share of the variance of the target (R²); NaN for classes, and for a
         constant target.
     slope, intercept : float
         Regression of the observed on the predicted: 1 and 0 if unbiased; NaN for classes.
@@ -211,8 +211,8 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
     rulebase : RuleBase
         Of any kind.
     samples : Samples
-        With a column for each of its inputs. The target is one of its outputs; of classes,
-        each has an output. Without values (NaN) rules and ranges are judged alone.
+        With a column for each of its inputs. The target is one of its outputs; each class has an
+        output. Without values (NaN) rules and ranges are judged alone.
 
     Raises
     ------
@@ -304,7 +304,7 @@ def _line(predicted: Array, observed: Array) -> tuple[float, float]:
 
 
 def _bins(predicted: Array, observed: Array) -> Iterator[Bin]:
-    # Equal counts rather than equal widths: predictions cluster, and an empty bin says nothing.
+    # Equal counts instead of equal widths: predictions cluster, and an empty bin says nothing.
     order = np.argsort(predicted, kind="stable")
     for rows in np.array_split(order, min(BINS, len(order))):
         yield Bin(len(rows), float(predicted[rows].mean()), float(observed[rows].mean()))
@@ -341,7 +341,7 @@ def _uses(rulebase: RuleBase, strengths: Array, errors: Array) -> Iterator[RuleU
     strongest = strengths.max(axis=0)
     judged = ~np.isnan(errors)
     for number, (rule, fires) in enumerate(zip(rulebase.rules, strengths, strict=True), 1):
-        # The error of a rule: over all samples, weighted by how far it fires.
+        # The error of a rule: over all samples, weighted by its firing strength.
         weight = fires[judged].sum()
         error = math.nan
         if weight > 0.0 and fires.max() >= FIRES:

@@ -1,9 +1,9 @@
 """Rules over words from samples (L.-X. Wang, J. M. Mendel, 1992).
 
-Every variable is divided into the same words, evenly. Each sample proposes the rule of the
-words that it belongs to most; among proposals with the same antecedent the one with the
-largest degree stays, the product of all its memberships. One pass, no optimisation: such
-rules read well and are right to about half a word.
+Every variable is divided into the same words, evenly. Each sample proposes the rule of its words of
+highest membership; among proposals with the same antecedent the one with the largest degree, the
+product of all its memberships, stays. One pass, no optimisation: such rules read well and are right
+to about half a word.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def wang_mendel(
         for name, (low, high) in zip(samples.names, ranges[:-1], strict=True)
     )
     low, high = ranges[-1]
-    # Value of the output where no rule fires.
+    # Value of the output if no rule fires.
     silent = middle_of(samples.values)
     output = weighted_output(samples.target, low, high, terms(low, high), silent, "clamp")
     rules = tuple(

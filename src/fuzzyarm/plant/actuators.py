@@ -1,7 +1,7 @@
 """Actuators between controller and plant: range, slew, dead time; a period in parts.
 
-A dead time is so many control periods and a part of one, and the value changes at that part of the
-period. The kernels are those of the loop and of a plant as a python-control system.
+A dead time is a number of whole control periods and a fraction of one; the value changes at that
+fraction of the period. The kernels are those of the loop and of a plant as a python-control system.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ that arrives in this period; and, of the row's place, the drive whose value arri
 
 @kernel
 def postpone(drives: list[float], late: list[float], tick: int) -> None:
-    """Replace the drives by those that act from the start of the period on, if any are late."""
+    """Replace the drives by those in effect at the start of the period, if any are delayed."""
     if len(late) == 0:
         return
     for i in range(len(drives)):
@@ -149,7 +149,7 @@ def advance(
 
 @kernel
 def handed_on(line: list[float], ring: int, count: int, value: float, tick: int) -> float:
-    """Hand a value on after so many periods, by a ring: what it holds is as old as it is long."""
+    """Delay a value by `count` periods with a ring buffer of that length."""
     if count == 0:
         return value
     cell = ring + tick % count

@@ -85,7 +85,7 @@ class ControlPlant(Plant):
         system = _with_states(system)
         self.system = system
         self.name = re.sub(r"[^\w+-]+", "", system.name) or "system"
-        # Linear systems in plain loops: for such sizes NumPy takes ten times as long.
+        # Linear systems in plain loops: NumPy would take ten times as long.
         linear = hasattr(system, "A")
         self._rows = [_rows(getattr(system, matrix)) for matrix in "ABCD"] if linear else []
         self._start = None if start is None else [float(matrix) for matrix in start]
@@ -179,7 +179,7 @@ def _names(labels: Sequence[str]) -> list[str]:
 
 
 def rate_of(name: str, outputs: Sequence[str]) -> str:
-    """Return the output of which another is the rate by their names, or ""."""
+    """Return the output whose rate, by the names, another output is, or ""."""
     axis, dot, port = name.rpartition(".")
     source = RATES.get(port, "")
     return source if source and axis + dot + source in outputs else ""

@@ -26,7 +26,7 @@ class SpaceNames:
     inputs : mapping of str to Port
         Port of each action, in order; a discrete one has a range divided by thresholds.
     rates : mapping of str to str
-        Outputs that are rates of others.
+        Outputs that are rates of other outputs.
     angles : mapping of str to (str, str)
         Additional outputs: the angle of a cosine and a sine.
     """
@@ -143,7 +143,7 @@ class EnvironmentPlant(Plant):
         return self._observation
 
     def step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> Sequence[float]:
-        """Take one step; return the observation."""
+        """Advance by one step; return the observation."""
         if self._period is not None and not math.isclose(dt, self._period, rel_tol=1e-6):
             raise PlantError(
                 f"{self.name} steps every {self._period:g} s, not every {dt:g} s",

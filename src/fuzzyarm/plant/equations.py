@@ -104,9 +104,9 @@ def traced(plant: Any) -> Equations | None:
 
 
 def keep_traced(plant: Any, source: Any) -> None:
-    """Keep the traced programs for the life of the plant, as a run needs.
+    """Keep the traced programs for the life of the plant, for its runs.
 
-    They are those of the plant that it is a copy of, where these were kept.
+    A copy of a plant shares those of the original, if kept.
     """
     kept = vars(source).get(TRACED)
     if kept is not None and kept[0] is None:
@@ -155,7 +155,7 @@ def expressions_of(plant: Any) -> Roots | None:
 
 
 def has_queue(plant: Any) -> bool:
-    """Whether a plant keeps a queue, for instance for a delay: a list is one that its code pops."""
+    """Whether a plant keeps a queue, for instance for a delay: a list that its code pops counts."""
     plant = apart(plant)
     plant.start(np.random.default_rng(0))  # usually created there
     kept = [*vars(plant).values(), *vars(type(plant)).values()]
@@ -282,7 +282,7 @@ def _begun_roots(plant: Any, seed: int) -> Roots | None:
 
 
 def _started(plant: Any, seed: int) -> Sequence[float]:
-    """Start a plant; what its start reads is no reading of equations."""
+    """Start a plant; reads of its start are not reads of its equations."""
     watched = plant.parameters if isinstance(plant.parameters, Watched) else Watched({})
     before = set(watched.read)
     states: Sequence[float] = plant.start(np.random.default_rng(seed))
@@ -336,7 +336,7 @@ def _roots(
 def _reached(function: Callable[..., Any]) -> dict[tuple[object, str], object]:
     """Snapshot what a function can change outside its plant: globals, modules, closures, defaults.
 
-    Of the functions of a user's module that it may call, too.
+    Includes the functions of the user's module that it may call.
     """
     found: dict[tuple[object, str], object] = {}
     seen: set[object] = set()
@@ -368,7 +368,7 @@ _IMPORT_NAME = dis.opmap["IMPORT_NAME"]
 def _imports_late(function: FunctionType) -> bool:
     """Whether a function imports a module of its folder, which Python may have changed by then."""
     code = function.__code__
-    if _IMPORT_NAME not in code.co_code[::2]:  # hardly any does, and decoding takes long
+    if _IMPORT_NAME not in code.co_code[::2]:  # rare, and decoding is slow
         return False
     folder = os.path.dirname(os.path.abspath(code.co_filename))
     instructions = dis.get_instructions(code)
@@ -385,7 +385,7 @@ def _bound_by(function: FunctionType) -> dict[str, Any]:
     bound = {str(k): value for k, value in enumerate(function.__defaults__ or ())}
     bound |= function.__kwdefaults__ or {}
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
-        with contextlib.suppress(ValueError):  # a cell that is empty yet
+        with contextlib.suppress(ValueError):  # a cell still empty
             bound[f"({name})"] = cell.cell_contents
     return bound
 

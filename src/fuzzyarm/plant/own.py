@@ -102,9 +102,9 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
 
 
 def beside(name: str, folder: str) -> str:
-    """Return a name in a file of `folder` as it is from the working folder: of a plant or file.
+    """Return the name of a plant or file in a file of `folder`, for the working folder.
 
-    Shipped plants, ``gym:NAME`` and absolute paths stay as they are.
+    Shipped plants, ``gym:NAME`` and absolute paths are unchanged.
     """
     if not is_relative_file(name):
         return name
@@ -144,7 +144,7 @@ def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -
     Raises
     ------
     PlantError
-        If there is none, or it is code that only the file asks to run.
+        If there is none, or it is code requested by the file alone.
     """
     if _is_file(name) and not os.path.exists(_place(name)):
         hint = "names in a controller or a certificate count from its folder"
@@ -370,7 +370,7 @@ INSTALLED = frozenset(sysconfig.get_paths().values())
 def _neighbours(folder: str, *, aside: bool) -> Iterator[None]:
     """Let a file import modules of its folder, fresh each time, as when run by Python.
 
-    Those that a program imported itself are its own: they are back afterwards.
+    Modules that the program itself had imported are restored afterwards.
     """
     again = {*_modules_of(folder), *_imported}
     before = {name: sys.modules.pop(name) for name in again if name in sys.modules}

@@ -109,7 +109,7 @@ def require_ports(plant: Plant) -> None:
 
 
 def _require_rates(plant: Plant) -> None:
-    """Raise PlantError for a rate of a port that is not an output."""
+    """Raise PlantError for a rate of a port missing among the outputs."""
     for name, port in plant.outputs.items():
         axis = name.rpartition(".")[0]
         others = [other for other in plant.outputs if other.rpartition(".")[0] == axis]
@@ -206,7 +206,7 @@ def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
 def require_sound(plant: Plant) -> None:
     """Raise PlantError if a user's plant is invalid: first its ports, then its equations.
 
-    Of a shipped one only the equations, with parameters that were set.
+    Of a shipped one only the equations, with changed parameters.
     """
     if not is_of_package(type(plant)):
         require_ports(plant)
@@ -217,7 +217,7 @@ def require_sound(plant: Plant) -> None:
 
 
 def set_parameters(plant: Plant) -> dict[str, float]:
-    """Return the parameters of a plant that have other values than its own."""
+    """Return the parameters of a plant with changed values."""
     home = vars(plant).get(HOME)
     own = type(plant).parameters
     own = home.begun.get("parameters", own) if isinstance(home, Home) else own
@@ -433,7 +433,7 @@ def _words(value: object) -> str:
 
 
 def lacks(names: Mapping[str, object]) -> Sequence[str]:
-    """Return why the classes of a file are not plants, a sentence each."""
+    """Return the reasons why the classes of a file are not plants, a sentence each."""
     sentences = []
     for name, kind in names.items():
         has = {what for what in (*EXAMPLES, *ARGUMENTS, "dynamics") if hasattr(kind, what)}

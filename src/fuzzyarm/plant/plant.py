@@ -288,7 +288,7 @@ class Plant:
 
     @classmethod
     def variants(cls) -> Sequence[Plant]:
-        """Return a plant of this class for each kernel that it has."""
+        """Return a plant of this class for each of its kernels."""
         return [cls()]
 
 

@@ -187,7 +187,8 @@ class RobotPlant(Plant):
         nq, nv = robot.nq, robot.nv
         data.time = t
         data.qpos[:], data.qvel[:], data.act[:] = x[:nq], x[nq : nq + nv], x[nq + nv :]
-        # Solvers begin where they stopped: the same state must give the same step.
+        # Solvers start from their last solution: reset it, so that the same state gives the same
+        # step.
         data.qacc_warmstart[:] = 0.0
         data.qfrc_applied[self.dofs] = u[: len(self.dofs)]
         for name, value in zip(self._own, u[len(self.dofs) :], strict=True):
@@ -346,7 +347,7 @@ def _mujoco() -> Any:
     return mujoco
 
 
-# --- What a file says ---
+# --- Contents of a model file ---
 
 
 def _driven_joints(robot: Any) -> list[str]:
@@ -365,7 +366,7 @@ def _is_of_joint(robot: Any, actuator: int) -> bool:
 
 
 def _named_ports(robot: Any) -> list[str]:
-    """Return the actuators that are ports of their own."""
+    """Return the actuators named as ports."""
     return [robot.actuator(i).name for i in range(robot.nu) if "." in robot.actuator(i).name]
 
 

@@ -22,7 +22,7 @@ from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
 SUFFIXES = TABLES
 """File formats that restore an identical table."""
 
-# --- An axis: its levels, its bins, and the cell that a number falls into ---
+# --- An axis: levels, bins, and the cell of a number ---
 
 MODES = LOOKUP_MODES
 """Ways to look up: by uneven thresholds, by the nearest level, by linear interpolation."""
@@ -45,7 +45,7 @@ def mode_named(name: str) -> str:
 @json_properties("name low high description levels bins")
 @dataclass(frozen=True, slots=True, repr=False)
 class Axis:
-    """How one input of a table is divided.
+    """The division of one input of a table.
 
     Attributes
     ----------
@@ -192,7 +192,7 @@ class TableHeader(Plotted, Drawn, OfKind):
     description : str
         Free text on the output, with the unit.
     rounding : float or None
-        The step that the values were rounded to.
+        Step of the rounded values.
     mode : str or None
         Preferred lookup mode; None: by bins if it has bins, else nearest.
     provenance : tuple of (str, str)

@@ -80,8 +80,8 @@ def compile_table(
     Returns
     -------
     LookupTable
-        Its axes are the inputs that the output depends on, in the order of the rule base. Of an
-        output without a range it states none.
+        Its axes are the inputs on which the output depends, in the order of the rule base. It
+        states the range of the output, if any.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def choose_output(rulebase: RuleBase, name: str | None) -> Output:
 
 
 def needed_inputs(rulebase: RuleBase, output: str) -> tuple[Input, ...]:
-    """Return the inputs that an output depends on; the first input where it depends on none."""
+    """Return the inputs on which an output depends; the first input if there are none."""
     from fuzzyarm.inference.plan import part_for
 
     names = {variable.name for variable in part_for(rulebase, [output]).inputs}
@@ -155,12 +155,12 @@ def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
     table : LookupTable
         Its axes are among `inputs`.
     inputs : sequence of Input
-        The axes of the result; those that `table` has not get two levels.
+        The axes of the result; those missing from `table` get two levels.
 
     Returns
     -------
     LookupTable
-        `table` itself where it has them all.
+        `table` itself if it has them all.
     """
     axes_by_name = {axis.name: axis for axis in table.axes}
     if len(axes_by_name) == len(inputs):
@@ -252,7 +252,7 @@ def sample(
     rulebase: RuleBase, output: str, axes: Sequence[Axis], rounding: float | None = None
 ) -> NDArray[np.float64]:
     """Return the inference at every combination of levels, rounded."""
-    # In slabs of the first axis, to take little more memory than the table.
+    # In slabs of the first axis, to need little more memory than the table.
     levels = [np.array(axis.levels) for axis in axes]
     values = np.empty([array.size for array in levels])
     rows = max(1, _SLAB // max(1, values[0].size))
@@ -286,8 +286,7 @@ def evaluate(
 ) -> NDArray[np.float64]:
     """Return the inference at `points`, one array for each of `names`; they are broadcast.
 
-    A TableError says where the output has no value (NaN), as a file may state for points
-    where no rule fires.
+    A TableError names the point where the output is NaN, which a file may state for no rule.
     """
     evaluator = engine or _engine(rulebase, output, 0)
     inputs: dict[str, NDArray[np.float64]] = dict(zip(names, points, strict=True))
@@ -322,7 +321,7 @@ def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
             rounded = multiples * float(exact.numerator) / float(exact.denominator) + 0.0
         else:
             rounded = multiples * step + 0.0
-    # A step far below the distance of neighbouring floats leaves a value as it is.
+    # A step far below the distance of neighbouring floats changes nothing.
     return np.asarray(np.where(np.isfinite(multiples), rounded, values))
 
 

@@ -39,15 +39,15 @@ class TableDiff:
     Attributes
     ----------
     before, after : LookupTable
-        `after` with its axes in the order of `before` where the names allow that.
+        `after` with its axes in the order of `before`, if they have the same names.
     header : tuple of (str, str, str)
         Other differences: field, before, after.
     changes : tuple of CellChange
-        In index order; empty where the axes do not match.
+        In index order; empty if the axes do not match.
     comparable : bool
         Whether both have the same inputs and levels, so that cells correspond.
     transposed : bool
-        Whether the axes of the second table had to be put into another order.
+        Whether the axes of the second table were reordered.
     """
 
     before: LookupTable

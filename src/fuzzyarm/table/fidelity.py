@@ -63,7 +63,7 @@ class Fidelity:
     rms : float
         Root mean square difference over the even part of the dense grid.
     at : tuple of (str, float)
-        The inputs where the worst difference was found.
+        The inputs at the worst difference found.
     points : tuple of int
         Size of the dense grid along each input.
     proved : float or None
@@ -89,7 +89,7 @@ class Fidelity:
 
     @property
     def point(self) -> dict[str, float]:
-        """The inputs where the worst difference was found, by name."""
+        """The inputs at the worst difference found, by name."""
         return dict(self.at)
 
     def __str__(self) -> str:
@@ -109,7 +109,7 @@ def measure_fidelity(
 ) -> tuple[Fidelity, ...]:
     """Compare `table` with the direct inference of `rulebase`.
 
-    The dense grid has about 160,000 even points over the ranges of the inputs, fewer where a point
+    The dense grid has about 160,000 even points over the ranges of the inputs, fewer if a point
     takes long (:func:`_even_points`). For the worst difference it also has every level, both sides
     of every threshold and the centre of every cell, because extremes lie there.
 
@@ -176,10 +176,10 @@ _Points = list[NDArray[np.float64]]
 
 
 def _drawn_points(axes: Sequence[Axis], most: int) -> _Points | None:
-    """Return points drawn at random where the corners of a grid alone would be too many.
+    """Return random points if the corners of a grid alone would be too many.
 
-    Each coordinate is even in its range or one of those that a grid has besides. None where a
-    grid serves.
+    Each coordinate is uniform in its range or one of the grid's additional ones. None if a grid is
+    feasible.
     """
     if 3 ** len(axes) <= _DENSE_POINTS:
         return None
@@ -255,7 +255,7 @@ class _Tally:
             self.at = tuple(float(x[i]) for x, i in zip(points, where, strict=True))
 
     def add_drawn(self, difference: NDArray[np.float64], points: _Points) -> None:
-        """Add points that have no grid, all of one weight."""
+        """Add scattered points, all of one weight."""
         self.squares += float(np.sum(difference * difference))
         self.weight += difference.size
         k = int(np.argmax(difference))
@@ -277,7 +277,7 @@ class _Tally:
 #
 # Every number of levels is tried in turn, because the error does not fall monotonically: a grid
 # whose levels meet the kinks of the surface beats larger ones. A trial is cheap: the interpolation
-# is first computed at a few thousand probes only, those that refuted an earlier grid first. Two
+# is first computed at a few thousand probes only, refuters of earlier grids first. Two
 # cases are excluded beforehand: the surface jumps, or it bends within a step of the finest grid by
 # more than the tolerance.
 
@@ -367,7 +367,7 @@ class _Probes:
         self.truth = self._infer(self.points.T)
 
     def remember(self, point: list[float]) -> None:
-        """Put a point that proved a grid wrong in front of the others."""
+        """Move a point that refuted a grid to the front."""
         self.points = np.vstack([point, self.points])
         self.truth = np.append(self._infer(self.points[:1].T), self.truth)
 
@@ -423,7 +423,7 @@ class _Probes:
         return bend
 
     def _jump(self) -> tuple[float, Sequence[float]]:
-        """Return the highest jump along the inputs that was found, and where it is."""
+        """Return the highest jump found along the inputs, and its position."""
         highest, where = 0.0, self.low.tolist()
         for axis in range(len(self.names)):
             lines = np.repeat(self.points[None, -self.lines :], _MARKS, axis=0)
@@ -484,7 +484,7 @@ class CompileReport:
     table : LookupTable
         With the differences in its provenance.
     fidelities : tuple of Fidelity
-        The difference to direct inference, one for each lookup mode that was tried.
+        The difference to direct inference, one for each tried lookup mode.
     default_levels : bool
         Whether an input got the default 13 even levels.
     tolerance : float or None

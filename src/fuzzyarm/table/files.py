@@ -1,8 +1,8 @@
 """Read and write tables as files; the suffix selects the format.
 
 To add a format: ``write_<suffix>(PlainTable) -> str`` and ``parse_<suffix>(text, path) ->
-ParsedTable``, which never raises and reports findings at their places; a record in `_TEXTS`; the
-suffix in ``TABLES`` of :mod:`fuzzyarm.base.folders`. ``tests/table/test_table_files.py`` sends
+ParsedTable``, which never raises and reports findings with their positions; a record in `_TEXTS`;
+the suffix in ``TABLES`` of :mod:`fuzzyarm.base.folders`. ``tests/table/test_table_files.py`` sends
 every suffix through the same round trips.
 """
 
@@ -199,7 +199,7 @@ def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
     header, rows = Header(), []
     for line_number, line in enumerate(split_lines(text), start=1):
         if line.startswith("#"):
-            # A space instead of the mark keeps the columns of the diagnostics right.
+            # A space instead of the mark: columns of diagnostics stay correct.
             tokens = line_tokens(line_number, " " + line[1:], diagnostics)
             if tokens and tokens[0].text in KEYWORDS and tokens[0].text != "grid":
                 read_statement(header, Cursor(tokens), diagnostics)
@@ -248,7 +248,7 @@ def _grids(
 
 
 def _page(cells: list[str], levels: list[set[float]]) -> tuple[float, ...] | None:
-    """Return the levels of the page inputs that begin a row; None where they are not levels."""
+    """Return the levels of the page inputs at the start of a row; None for other words."""
     try:
         page = tuple(map(float, cells))
     except ValueError:
@@ -270,7 +270,7 @@ def _plain_cells(line_number: int, line: str, diagnostics: list[Diagnostic]) -> 
         diagnostics.append(Diagnostic("bad-csv", "this line is not comma-separated", span))
         return []
     for cell in cells:
-        if "#" in cell and "'" not in cell:  # the reader of rows would take it for a comment
+        if "#" in cell and "'" not in cell:  # the reader of rows would read a comment
             span = Span(line_number, 1, line_number, len(line) + 1)
             message = f"'{cell[:40]}' is not a number"
             diagnostics.append(Diagnostic("not-a-number", message, span))
@@ -319,7 +319,7 @@ def _refused(word: str) -> None:
 
 
 def _header_from(data: Any) -> TableHeader:
-    """Return the header that :func:`header_data` made; raise where it is not of that form."""
+    """Return the header from :func:`header_data`; raise an error for another form."""
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise TableError(f'not a lookup table: "format" must be "{FORMAT}"')
     if data.get("version") != VERSION:

@@ -21,7 +21,7 @@ VERSION = 1
 
 
 def spelled(name: str) -> str:
-    """Return `name` as a file has it: in single quotes where it must."""
+    """Return `name` as written in a file: in single quotes if necessary."""
     plain = is_plain_name(name) and not is_reserved(name) and name not in KEYWORDS
     return name if plain else quote(name, "'")
 
@@ -181,7 +181,7 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
 
 
 def index_words(count: int) -> list[str]:
-    """Return the names of the indices of so many inputs, in order."""
+    """Return the names of the indices of `count` inputs, in order."""
     return ["page"] * (count - 2) + ["row", "column"][-count:]
 
 
@@ -268,7 +268,7 @@ def _print_bins(table: TableHeader) -> list[str]:
 
 
 def _print_numbers(word: str, texts: list[tuple[str, str]], inputs: int) -> list[str]:
-    """Return one line for each distinct text, without names where it holds for every input."""
+    """Return one line for each distinct text, without names if it holds for every input."""
     groups: dict[str, list[str]] = {}
     for name, text in texts:
         groups.setdefault(text, []).append(spelled(name))
@@ -411,7 +411,7 @@ def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None
 
 
 def _check_names(header: Header, diagnostics: list[Diagnostic]) -> None:
-    """Report inputs that the index order does not name."""
+    """Report inputs missing from the index order."""
     words = list(header.index)
     for name in [*(line.name for line in header.inputs.values()), *header.named]:
         if name not in words:

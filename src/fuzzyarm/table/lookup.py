@@ -51,7 +51,7 @@ def share_of_way(x: Any, lower: Any, upper: Any) -> Any:
 @kernel
 def blend(near: Any, far: Any, share: Any) -> Any:
     """Return the value at a share of the way from near to far."""
-    # Two products rather than near + share (far - near): exact at both ends.
+    # Two products instead of near + share (far - near): exact at both ends.
     return (1.0 - share) * near + share * far
 
 
@@ -90,10 +90,10 @@ class PreparedTable:
     """A table prepared for one way to look up, in the numbers of one arithmetic."""
 
     strides: tuple[int, ...]  # cells from one index of an input to the next one
-    # For each input the thresholds, or all levels where it interpolates.
+    # For each input the thresholds, or all levels for interpolation.
     points: tuple[Any, ...]
     inner: tuple[Any, ...]  # the levels except for the outer ones
-    offsets: tuple[int, ...]  # where it interpolates, see :func:`corner_offsets`
+    offsets: tuple[int, ...]  # for interpolation, see :func:`corner_offsets`
     values: Any  # flat, the last input fastest
     arithmetic: LookupArithmetic  # of points and values
 
@@ -108,7 +108,7 @@ class PreparedTable:
         return cls(strides, tuple(points), inner, offsets, values, arithmetic)
 
     def pick(self, inputs: Sequence[Any]) -> Any:
-        """Return the value of the cell that the inputs fall into."""
+        """Return the value of the cell of the inputs."""
         index = 0
         smaller = self.arithmetic.smaller
         for x, thresholds, stride in zip(inputs, self.points, self.strides, strict=True):
@@ -146,7 +146,7 @@ def strides_of(shape: Sequence[int]) -> tuple[int, ...]:
 
 
 def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
-    """Return where the corners of a cell lie after its lowest one, the last input fastest.
+    """Return the offsets of a cell's corners from its lowest one, the last input fastest.
 
     An input with one level has no neighbour: it does not add corners.
     """
@@ -187,13 +187,13 @@ def levels_at(axis: int, count: int) -> int:
 
 @kernel
 def next_axis(axis: int, count: int) -> int:
-    """Return where the next input of a grid begins."""
+    """Return the index of the next input of a grid."""
     return levels_at(axis, count) + count
 
 
 @kernel
 def cell_index(k: Any, s: Any, inputs: int, grid: int, last: int) -> int:
-    """Return the number of the cell that the inputs name, the last input fastest.
+    """Return the index of the cell of the inputs, the last input fastest.
 
     At `last` are their indices in the last control period: initially arbitrary.
     """
@@ -202,7 +202,7 @@ def cell_index(k: Any, s: Any, inputs: int, grid: int, last: int) -> int:
     for i in range(inputs, inputs + int(s[grid])):
         count = int(s[axis])
         x = s[k[i]]
-        # From one control period to the next an input moves by one cell at most, as a rule. Near a
+        # From one control period to the next an input usually moves by one cell at most. Near a
         # threshold branch prediction would fail, so that move is counted without a branch. The only
         # branch tests whether one cell was enough, which it nearly always is.
         below = axis + THRESHOLDS  # lower bound of the first cell
@@ -321,7 +321,7 @@ class BucketIndex(NamedTuple):
 
     points: _Array  # increasing, with infinities after the last one
     start: _Cells  # number of points in lower buckets, by bucket
-    edge: _Array  # for each bucket, the first point that does not lie in a lower bucket
+    edge: _Array  # for each bucket, the first point not in a lower bucket
     # The bucket of x is (x - low) × inverse, rounded down.
     low: float
     inverse: float
@@ -329,7 +329,7 @@ class BucketIndex(NamedTuple):
 
 
 def make_finder(points: Sequence[float]) -> BucketIndex | None:
-    """Prepare the points of an axis; None where they lie too unevenly for buckets."""
+    """Prepare the points of an axis; None if they are too uneven for buckets."""
     edges = np.array(points, dtype=np.float64)
     if edges.size < 2:
         return _finder(edges, np.zeros(1, np.int64), 0.0, 0.0, 1)
@@ -381,7 +381,7 @@ def add_cells(
     low, inverse, steps, size = axis[LOW], axis[INVERSE], int(axis[STEPS]), np.int32(axis[SIZE])
     last = start.size - 1.0
     bad = 0
-    if steps == 1:  # by itself, for the vector unit
+    if steps == 1:  # separate, to vectorise
         for k in range(x.size):
             value = x[k]
             bad += value != value  # noqa: PLR0124 - true for NaN only
@@ -485,7 +485,7 @@ def _machine(function: Callable[..., Any], *, compiled: bool) -> Callable[..., N
 
 
 def worthwhile(points: int) -> bool:
-    """Whether so many points are to go through machine code, here and now."""
+    """Whether machine code pays off for so many points in this process."""
     return points >= WORTH_CALLING and has_machine_code()
 
 
@@ -496,7 +496,7 @@ Evaluate = Callable[[Sequence[_Array], _Array], bool]
 def picker(
     values: _Array, thresholds: Sequence[Sequence[float]], *, compiled: bool = True
 ) -> Evaluate | None:
-    """Return how to look up cells; None where the thresholds are too uneven for this.
+    """Return a look-up of cells; None for thresholds too uneven for buckets.
 
     `compiled` chooses machine code, or the same kernels in plain Python.
     """
@@ -533,7 +533,7 @@ def _arrays_of(finder: BucketIndex, size: int) -> tuple[_Array, _Cells, _Array, 
 def interpolator(
     values: _Array, levels: Sequence[Sequence[float]], *, compiled: bool = True
 ) -> Evaluate | None:
-    """Return how to interpolate; None where the levels are too uneven for this.
+    """Return an interpolation; None for levels too uneven for buckets.
 
     `compiled` chooses machine code, or the same kernels in plain Python.
     """

@@ -84,8 +84,8 @@ class LookupTable(TableHeader):
         *inputs : float or array_like
             In the order of the axes; arrays are broadcast against each other.
         mode : str, optional
-            ``bins``, ``nearest`` or ``linear``; :attr:`default_mode` by default. With
-            ``bins``, an axis without bins takes the nearest level.
+            ``bins``, ``nearest`` or ``linear``; :attr:`default_mode` by default. With ``bins``, an
+            axis without bins uses the nearest level.
         **named : float or array_like
             Inputs by name, instead of by order.
 
@@ -94,7 +94,7 @@ class LookupTable(TableHeader):
         float or ndarray of float64
             A float if every input is a number, else an array of the broadcast shape; a Series, a
             DataFrame or a DataArray where inputs are, with their labels.
-            Inputs outside the levels take the value at the border.
+            Inputs outside the levels have the value at the border.
 
         Raises
         ------
@@ -128,7 +128,7 @@ class LookupTable(TableHeader):
     def with_values(
         self, values: ArrayLike, provenance: Mapping[str, str] | None = None
     ) -> LookupTable:
-        """Return a table on the same axes with other values and, if given, another origin."""
+        """Return a table on the same axes with other values and maybe another origin."""
         pairs = self.provenance if provenance is None else tuple(provenance.items())
         return replace(self, values=np.asarray(values, dtype=np.float64), provenance=pairs)
 
@@ -145,7 +145,7 @@ class LookupTable(TableHeader):
     @cached_property
     def _grids(self) -> dict[str, PreparedTable]:
         """Return the table prepared for points, for each mode."""
-        flat = self.values.ravel().data  # a memory view gives floats, and those quickly
+        flat = self.values.ravel().data  # a memory view yields floats, fast
         points: dict[str, list[tuple[float, ...]]] = {
             mode: [axis.thresholds(mode) for axis in self.axes] for mode in ("bins", "nearest")
         }

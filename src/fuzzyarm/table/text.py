@@ -465,7 +465,7 @@ class _GridReader:
 
 
 def _names_and_rest(number: int, line: str) -> tuple[list[Token] | None, int]:
-    r"""Return the names that a line starts with (``e`` or ``e \ ce``) and where they end."""
+    r"""Return the names at the start of a line (``e`` or ``e \ ce``) and the index after them."""
     tokens = line_tokens(number, line, [])
     names: list[Token] = []
     end = 0

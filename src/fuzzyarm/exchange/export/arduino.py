@@ -66,7 +66,7 @@ class BoardFolder:
     measured : Measured or None
         Its cost there; None where nothing here can measure it.
     constants, state : int
-        Bytes of tables, and of variables that a program holds for it.
+        Bytes of tables, and of its variables in a program.
     doubt : str
         A sentence on unchecked parts; empty if there are none.
     """
@@ -98,7 +98,7 @@ class BoardPart:
     stack: int
     notes: list[str]
     period: float | None = None  # of a controller, in s
-    inputs: int = 0  # that the sketch reads from pins
+    inputs: int = 0  # read from pins by the sketch
 
     def sources(self) -> dict[str, str]:
         """Return the texts of the library by the names of their files."""
@@ -118,7 +118,7 @@ def board_folder(
     place: str,
     others: Mapping[str, Callable[[], ControllerProgram]] = MappingProxyType({}),
 ) -> BoardFolder:
-    """Return the folder of routines or of a controller, measured where that can be done."""
+    """Return the folder of routines or of a controller, measured if possible."""
     if isinstance(exported, ControllerProgram):
         part = board_part(exported, stem, board)
     else:
@@ -224,7 +224,7 @@ def board_part(program: ControllerProgram, stem: str, board: Board) -> BoardPart
 
 
 def _spread(rows: Sequence[list[float]]) -> Sequence[list[float]]:
-    """Return at most so many of them as are measured, first and last ones among them."""
+    """Return at most as many rows as are measured, first and last among them."""
     return rows[:: -(-len(rows) // _SKETCH_CALLS)]
 
 
@@ -237,7 +237,7 @@ def _listed(routine: Routine) -> str:
 
 
 def _rows(name: str, kind: str, rows: Sequence[Sequence[float]], of: Kind) -> list[str]:
-    """Return an array of the numbers of calls, in flash where that is apart."""
+    """Return an array of the numbers of calls, in a separate flash if there is one."""
     lines = [f"    {{{', '.join(_number(x, of) for x in row)}}}," for row in rows]
     macro = ["#ifdef __FLASH", "#define FLASH __flash", "#else", "#define FLASH", "#endif"]
     return [*macro, f"static const FLASH {kind} {name}[{len(rows)}][{len(rows[0])}] = {{",
@@ -348,7 +348,7 @@ def _controller_sketch(
 
 
 def _shown(program: ControllerProgram, controller: CText, every: int) -> Iterator[str]:
-    """Yield the function that prints, seldom: a line takes a millisecond at 115200 baud."""
+    """Yield the function that prints, rarely: a line takes a millisecond at 115200 baud."""
     yield from ["", "static void show()", "{"]
     if every > 1:
         yield from [
@@ -508,7 +508,7 @@ def _library_json(part: BoardPart, board: Board) -> str:
 
 
 def _keywords(part: BoardPart) -> str:
-    """Return the words that the IDE colours; the mark between is a tab."""
+    """Return the words that the IDE colours, separated by tabs."""
     functions = [_function(prototype) for prototype in part.library.prototypes]
     listed = [*functions, part.library.self_test]
     return "".join(f"{name}\tKEYWORD2\n" for name in listed)

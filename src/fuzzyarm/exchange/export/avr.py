@@ -33,7 +33,7 @@ _ROOMY = "atmega1284p"
 
 @dataclass(frozen=True)
 class MeasuredStep:
-    """A step to be measured, as parts of a C program.
+    """A step to measure, as parts of a C program.
 
     Attributes
     ----------
@@ -42,11 +42,11 @@ class MeasuredStep:
     declarations : sequence of str
         Text outside of functions: variables, and the numbers of the calls.
     start : sequence of str
-        Statements that are run once.
+        Statements executed once.
     load : sequence of str
-        Statements that give the numbers of call `k`.
+        Statements that set the numbers of call `k`.
     call : str
-        The statement that is measured.
+        The measured statement.
     count : int
         How many calls there are.
     arrays : int
@@ -78,11 +78,11 @@ class Measured:
     compiler : str
         Which avr-gcc.
     footprint : Footprint
-        Bytes of a program that does nothing else, beyond those of one that does nothing.
+        Bytes of a program with this call alone, less those of an empty program.
     object : int
         Bytes of the library's own object file, tables included.
     cycles : tuple of int or None
-        Of the calls; None where there is no simulator.
+        Of the calls; None without a simulator.
     passes : bool or None
         Whether the self-test passes.
     """
@@ -100,7 +100,7 @@ class Measured:
 
     @property
     def stack(self) -> int | None:
-        """Stack of a call, at most; None where no simulator measured it."""
+        """Greatest stack of a call; None if no simulator measured it."""
         return self.footprint.stack if self.cycles else None
 
 
@@ -176,14 +176,14 @@ def run_tool(
     folder : Path
         Where.
     seconds : float
-        How long it may take.
+        Time limit.
     to : str
         Its purpose, for the message: *cannot run gcc*.
 
     Raises
     ------
     ExportError
-        If it is not there, takes longer, or ends with an error.
+        If it is missing, takes longer, or ends with an error.
     """
     try:
         process = subprocess.run(
@@ -219,8 +219,8 @@ def _size_program(call: MeasuredStep) -> str:
     )  # fmt: skip
 
 
-# Timer 1 counts 16 bits: first every cycle, then every 1,024th. A call takes as many cycles each
-# time, so that both together tell how many; the time of an empty call is subtracted.
+# Timer 1 counts 16 bits: first every cycle, then every 1,024th. A call takes the same cycles each
+# time, so both readings determine them; the time of an empty call is subtracted.
 _RUN = """#include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -335,7 +335,7 @@ def _run_program(call: MeasuredStep) -> str:
 
 
 def _figures(output: str) -> dict[str, list[int]]:
-    """Return the numbers that a program said, by their words."""
+    """Return the numbers printed by a program, by their words."""
     figures: dict[str, list[int]] = {}
     for word, number in re.findall(r"(low|high|stack|empty|test)=(\d+)", output):
         figures.setdefault(word, []).append(int(number))
@@ -393,7 +393,7 @@ def clock_of(period: float) -> Clock:
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """Time of a turn of the sketch, in s: the slowest call that was seen, and its pins."""
+    """Time of a turn of the sketch, in s: the slowest measured call, and its pins."""
 
     call: float
     pins: float
@@ -405,7 +405,7 @@ class Pace:
 
 
 def pace_of(measured: Measured | None, board: Board, inputs: int) -> Pace | None:
-    """Return the cost of a turn; None where no cycles were counted."""
+    """Return the cost of a turn; None if no cycles were counted."""
     if measured is None or not measured.cycles:
         return None
     return Pace(max(measured.cycles) / board.clock, min(inputs, board.pins) * PIN_SECONDS)
@@ -418,7 +418,7 @@ def demand_pace(
     board: Board,
     others: Mapping[str, Callable[[], Pace | None]],
 ) -> None:
-    """Raise `ExportError` where a turn takes over 90 % of the period, with feasible options."""
+    """Raise `ExportError` if a turn takes over 90 % of the period, with feasible options."""
     if pace is None or pace.whole <= SHARE * period:
         return
     reading = f" and {_short(pace.pins)} to read its pins" if pace.pins else ""
@@ -444,7 +444,7 @@ def _fitting(pace: Pace, period: float, others: Mapping[str, Callable[[], Pace |
 
 
 def unchecked(measured: Measured | None, board: Board, period: float) -> str:
-    """Return a sentence on a period that could not be checked; empty where it was."""
+    """Return a sentence on a period that could not be checked; empty after a check."""
     if measured is not None and measured.cycles:
         return ""
     why = f"that needs {TOOLS}" if board.avr else "cycles are counted for AVR boards"

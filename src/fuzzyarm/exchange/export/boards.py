@@ -25,13 +25,13 @@ class Board:
     has_double : bool
         Whether ``double`` is more than ``float``.
     avr : bool
-        Whether it is an AVR, whose flash is an address space of its own.
+        Whether it is an AVR, with flash in a separate address space.
     platform, environment : str
         Of PlatformIO.
     pins : int
         Analogue inputs, A0 first.
     analog_top : int
-        The largest value of ``analogRead``, as it is after a reset.
+        The largest value of ``analogRead`` after a reset.
     clock : int
         In Hz.
     """
@@ -99,9 +99,9 @@ class Footprint:
     Attributes
     ----------
     flash : int
-        Code and constants, or constants alone where no compiler ran.
+        Code and constants, or constants alone without a compiler.
     static : int
-        Variables that are always there.
+        Static variables.
     stack : int
         Further RAM of a call, at most.
     what : str
@@ -126,7 +126,7 @@ _LARGEST_ARRAY = 32_767
 
 
 def demand_fit(footprint: Footprint, board: Board, name: str) -> None:
-    """Raise `ExportError` where a program is larger than a board, with the numbers."""
+    """Raise `ExportError` for a program larger than a board, with the numbers."""
     ram = footprint.static + footprint.stack
     if footprint.flash > board.flash:
         raise ExportError(

@@ -1,8 +1,8 @@
 """Programs as C99; :mod:`.c_files` makes files of them.
 
-A rule base and a table are a function each. A controller is a struct with its memory,
-``init`` and ``step``; of tables that learn also ``save`` and ``load``. Constants may stay in a
-flash that is an address space of its own (`flash_macro`).
+A rule base and a table are a function each. A controller is a struct with its memory, ``init`` and
+``step``; with learning tables also ``save`` and ``load``. Constants may stay in a flash with a
+separate address space (`flash_macro`).
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _array(printer: Printer, name: str, kind: Kind, values: Sequence[float], col
 
 
 def _cast(text: str, before: Kind, after: Kind) -> str:
-    # An index may have any type of whole numbers, and a short one is wide by itself.
+    # An index may have any integer type, and a short one is promoted.
     plain = before is after or (before, after) in {(PLACE, INDEX), (np.int16, PLACE)}
     return text if plain else f"({_TYPES[after]}){text}"
 
@@ -128,7 +128,7 @@ class CPrinter(Printer):
     Attributes
     ----------
     places : dict of str to str
-        How the step reads ports and the state, by symbol.
+        Expressions of ports and the state in the step, by symbol.
     flash, largest : int
         Bytes of constants, and of the largest array of them.
     in_flash : str
@@ -162,7 +162,7 @@ class CPrinter(Printer):
         super().__init__(program, target)
 
     def reserve(self) -> None:
-        """Take the names of the frame and of helpers."""
+        """Reserve the names of the frame and of helpers."""
         self.types: list[str] = []
         self.places: dict[str, str] = {}
         for word in _FRAME if self.steps is not None else ():
@@ -259,7 +259,7 @@ class CPrinter(Printer):
             }
             for part, prototype in self._prototypes(self.steps).items():
                 body = bodies[part]
-                if not any(re.search(r"\bs\b", line) for line in body):  # a drive that is a number
+                if not any(re.search(r"\bs\b", line) for line in body):  # a constant drive
                     body = ["(void)s;", *body]
                 lines = [f"    {line}" for line in body]
                 functions.append(
@@ -347,7 +347,7 @@ class CPrinter(Printer):
         ]  # fmt: skip
 
     def ram(self) -> int:
-        """Return about how many bytes the state takes."""
+        """Return the approximate size of the state in bytes."""
         return sum(map(_size, self.program.state.values()))
 
 
@@ -405,7 +405,7 @@ class _CFunction(FunctionPrinter):
         return [] if self.function is self.printer.program.step else super()._returned(line)
 
     def _stepped(self, line: Stepped) -> list[str]:
-        """Run a period of the controller that is tested."""
+        """Run a period of the tested controller."""
         steps, prefix = self.printer.steps, self.printer.prefix
         assert steps is not None
         variables = [v for sort in ("reference", "measured") for v in steps.of_sort(sort)]

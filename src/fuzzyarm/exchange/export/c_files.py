@@ -46,8 +46,8 @@ class CText:
     Attributes
     ----------
     files : dict of str to str
-        Texts, by what follows the stem of their names: ``.h``; ``.c`` with its ``.h``; of a library
-        ``_self_test.c`` too, which defines the function `self_test`.
+        Texts, by the ending of their names: ``.h``; ``.c`` with its ``.h``; of a library
+        ``_self_test.c`` too, with the function `self_test`.
     printer : CPrinter
         Its parts.
     prototypes : tuple of str
@@ -64,7 +64,7 @@ class CText:
         return self.printer.self_test
 
     def place(self, variable: StepVariable) -> str:
-        """Return how a caller writes a port, a gain or a signal of a controller."""
+        """Return the C expression of a port, a gain or a signal of a controller."""
         return of_struct(self.printer.places[variable.symbol])
 
 
@@ -148,7 +148,7 @@ def _written(
     if form == LIBRARY:
         test = f": {stem}.c {stem}_self_test.c, and call {printer.self_test}()"
     else:
-        # Without -x gcc would precompile a header rather than compile it as a program.
+        # Without -x gcc would precompile a header instead of compiling a program.
         source, library = quote(f"{stem}{form}"), " -lm" * calls_functions
         source = f"-x c {source}" if form == ".h" else source
         command = f"gcc -std=c99 -ffp-contract=off -D{SWITCH} {source} -o self_test{library}"
@@ -199,7 +199,7 @@ _HEADERS = {
 
 
 def _headers(text: str) -> list[str]:
-    """Return the standard headers that a text needs."""
+    """Return the standard headers for a text."""
     code = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     return [name for name, words in _HEADERS.items() if words.search(code)]
 
@@ -218,10 +218,10 @@ def _macros(printer: CPrinter) -> list[str]:
 
 
 def _flash_macro(printer: CPrinter, text: str) -> list[str]:
-    """Return the lines that place the constants, if there are some.
+    """Return the lines that locate the constants, if any.
 
-    An AVR has flash in an address space of its own, where gcc's C reads what is `__flash`
-    by the instruction ``lpm``, as ``pgm_read_float`` does; elsewhere a constant just stays there.
+    An AVR has flash in a separate address space, from which gcc's C reads `__flash` constants by
+    the instruction ``lpm``, as ``pgm_read_float`` does; elsewhere constants need no macro.
     """
     name = printer.in_flash.strip()
     if not re.search(rf"\b{name}\b", text):
@@ -231,7 +231,7 @@ def _flash_macro(printer: CPrinter, text: str) -> list[str]:
 
 
 def _for_cxx(declarations: Iterable[str]) -> list[str]:
-    """Return declarations that a C++ compiler takes as those of C."""
+    """Return declarations with C linkage for a C++ compiler."""
     return [
         "#ifdef __cplusplus", 'extern "C" {', "#endif", "", *declarations, "",
         "#ifdef __cplusplus", "}", "#endif", "",
@@ -239,11 +239,11 @@ def _for_cxx(declarations: Iterable[str]) -> list[str]:
 
 
 def _guarded(printer: CPrinter, lines: Sequence[str], whole: bool) -> list[str]:
-    """Return the lines of a header so that it may be included twice.
+    """Return the lines of a header with an include guard.
 
-    Unless all its numbers are whole, a compiler for which nothing is NaN refuses it.
+    Unless all its numbers are whole, it refuses a compiler that assumes no NaN.
 
-    The guard is of the content: of two headers under one name neither hides the other.
+    The guard depends on the content: two headers of one name do not hide each other.
     """
     digest = hashlib.sha256("\n".join(lines).encode()).hexdigest()[:8].upper()
     guard = printer.names.new(f"{printer.prefix.upper()}_{digest}_H")

@@ -1,18 +1,18 @@
 """The guard of a certificate: whether the state at a sample is in the certified region.
 
-A certificate's V = zᵀPz counts all states z of the loop. A controller knows some: the outputs that
-it measures, and what it remembers. With k = K z the deviations from rest that it knows,
+A certificate's V = zᵀPz counts all states z of the loop. A controller knows some of them: its
+measurements and its memory. Let k = K z be the deviations from rest that it knows,
 
     W(k) = kᵀ (K P⁻¹ Kᵀ)⁻¹ k  is the least V of all states with this k   (Schur complement),
 
 and W = V where it knows all of them. The program computes W as |L k|², L a triangular matrix of
-numbers of 32 bits, and compares it with a number t. Which t, follows from bounds of all roundings,
+numbers of 32 bits, and compares it with a number t, which follows from bounds of all roundings,
 of L too: with s = √W, rows A s + B of rounding and (1 + ε)⁻¹ LᵀL ≤ P ≤ (1 + ε) LᵀL,
 
     (1 - γ) (s / √(1 + ε) - A s - B)² ≤ computed ≤ (1 + γ) (s √(1 + ε) + A s + B)².
 
-Where all is known, t is so small that a state that passes has V ≤ 1; all states with V ≤ 1 - δ
-pass. Where not, t is so large that all states with V ≤ 1 pass; those that do have W ≤ 1 + δ.
+If all states are known, t is so small that a state that passes has V ≤ 1; all states with V ≤ 1 - δ
+pass. Otherwise t is so large that all states with V ≤ 1 pass; those that pass have W ≤ 1 + δ.
 
 Rounding is that of floats of 32 bits, in any order, contracted or not, numbers below the normal
 ones flushed to 0: an AVR has no other, and everything else rounds less.
@@ -54,7 +54,7 @@ UNIT, FLUSHED = fmpq(1, 2**24), fmpq(1, 2**126)
 
 
 class _Row(NamedTuple):
-    """A known number, and what it is of the loop.
+    """A known number, and its role in the loop.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ def region_guard(checked: Checked, steps: Steps) -> RegionGuard:
 
 
 def start_outside(checked: Checked) -> str:
-    """Return in words that a plant starts outside the region of its certificate; else nothing."""
+    """Return in words that a plant starts outside the region of its certificate, or ""."""
     assert checked.proof is not None
     problem, (loop, proof) = checked.proof.problem, checked.proof.havens[0]
     if problem.unknown_start:
@@ -207,7 +207,7 @@ def _known(
 
 
 def _middle(rest: Any) -> tuple[float, fmpq]:
-    """Return a float of 32 bits next to a rest, and how far that is from it at most."""
+    """Return a float of 32 bits next to a rest value, and its greatest distance from it."""
     middle = float(rounded([float(rest)], np.float32, "a rest")[0])
     return middle, exact(float_above(magnitude(rest - exact(middle))))
 
@@ -226,7 +226,7 @@ def _seed(loop: CheckedLoop, name: str, measured: Sequence[_Row]) -> tuple[Seed,
 
 
 def _unknown(loop: CheckedLoop, known: Sequence[_Row]) -> tuple[str, ...]:
-    """Return the states that are not known by themselves."""
+    """Return the states that are not known directly."""
     alone = {x.parts for x in known}
     units = {n: tuple(fmpq(int(m == n)) for m in loop.names) for n in loop.names}
     return tuple(name for name, row in units.items() if row not in alone)
@@ -247,7 +247,7 @@ def _rounded(
     upper = [[float(x) for x in rounded(lower.T[i], np.float32, "the guard")] for i in range(size)]
     factor = fmpq_mat([[exact(x) for x in row] for row in upper])
     off = _distance(exactly, factor.transpose() * factor)
-    # |kⱼ| ≤ reach s; what is computed of it is off by at most slope s + still.
+    # |kⱼ| ≤ reach s; the computed value is off by at most slope s + still.
     reach = [arb(spread[j, j]).sqrt() for j in range(size)]
     slope, still = list[arb](), list[arb]()
     for j, (x, _, doubt) in enumerate(known):
@@ -289,7 +289,7 @@ def _rounded(
 
 
 def _gamma(count: int) -> arb:
-    """Return the bound of so many roundings one after the other."""
+    """Return the error bound of so many consecutive roundings."""
     return arb(count * UNIT) / (1 - count * UNIT)
 
 

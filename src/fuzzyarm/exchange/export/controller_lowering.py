@@ -88,7 +88,7 @@ def controller_program(
     endless : bool
         Whether the language has infinite numbers.
     flags : bool
-        Whether a rule base has a flag where it has no number: the language has no NaN.
+        Whether a rule base has a flag for "no value": the language has no NaN.
     """
     return _Lowering(steps, Program(pointers=pointers, endless=endless), flags).lowered()
 
@@ -106,8 +106,7 @@ class _Lowering:
     parameters, local : dict of str to Variable
         Of the step.
     known : dict of str to Node
-        What stands for a symbol where that is not the symbol: what is used once, and narrow
-        variables, which are widened where they are read.
+        Substitutes of symbols: expressions used once, and narrow variables, widened at each use.
     kinds : dict of str to Kind
         Of all variables.
     """
@@ -186,7 +185,7 @@ class _Lowering:
             self.kinds[drive.symbol] = self.outer
 
     def stem(self, port: StepVariable) -> str:
-        """Return how a port is called: with its axis where there are several."""
+        """Return the name of a port: with its axis if there are several."""
         front = "" if port.sort == "drive" else f"{port.sort}_"
         return f"{front}{self._of_axis(port.axis, port.name)}"
 
@@ -313,7 +312,7 @@ class _Lowering:
         return replace(value, {name: self._read(name) for name in symbols(value)})
 
     def _value(self, value: Node) -> tuple[list[Line], Node]:
-        """Return the lines before a value, and the value: parts that are used twice come first."""
+        """Return the lines before a value, and the value: parts used twice come first."""
         body, result = spread("part", value, self.local)
         for name in variables(body):
             self.local[name] = Variable("part", self.wide)
@@ -326,7 +325,7 @@ class _Lowering:
         if target not in self.kinds:
             self._local(target, self.outer if assignment.rounded else self.wide)
         kind = self.kinds[target]
-        if kind is self.wide and narrow:  # kept wide for a later line: zoom
+        if kind is self.wide and narrow:  # wide for a later line: zoom
             value = Cast(Cast(value, self.wide, self.outer), self.outer, self.wide)
         elif kind is not self.wide:
             same = isinstance(value, Cast) and value.before is kind
@@ -353,7 +352,7 @@ class _Lowering:
         return replace(unscaled(core.output, symbol("number")), {"number": number}), self.wide
 
     def _may_be_silent(self, query: Ask) -> bool:
-        """Whether a flag says that a rule base has no value."""
+        """Whether a rule base has a flag for "no value"."""
         return self.flags and self.program.functions[f"routine {query.routine}"].may_be_silent
 
     def _cell(self, grid: str) -> str:

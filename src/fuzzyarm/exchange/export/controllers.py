@@ -94,7 +94,7 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
 def _looked_up(
     rulebases: Sequence[RuleBase], tables: Sequence[LookupTable], inputs: tuple[str, ...]
 ) -> tuple[tuple[str, ...], tuple[LookupTable, ...]]:
-    """Return the inputs of a look-up, those that any of the tables needs, and tables over them."""
+    """Return the union of the tables' inputs, and the tables over all of them."""
     indices = [
         k
         for k in range(len(inputs))
@@ -162,7 +162,7 @@ class ControllerProgram:
     beside_rules : str
         How far its drives with tables are from those with rules; empty if unknown.
     certified : Checked or None
-        The certificate of which its program has a guard.
+        The certificate behind the guard of its program.
     """
 
     text: ControllerText
@@ -189,7 +189,7 @@ class ControllerProgram:
 
     @cached_property
     def tried(self) -> Tried:
-        """The sequence of the self-test, and how far the program that is printed is off.
+        """The sequence of the self-test, and the error of the printed program.
 
         The expected results are the drives of the controller, in its precision; in single precision
         throughout and with tables of integers they are those of the program.
@@ -220,20 +220,20 @@ class ControllerProgram:
         return Tried(vectors, worst_of(found, truths), largest, truths)
 
     def measured(self, found: Sequence[Sequence[float]]) -> ControllerProgram:
-        """Return the same with the difference of the drives that an exported text gives."""
+        """Return the same with the drives' differences measured on an exported text."""
         program = replace(self)
         worst = worst_of(found, self.tried.truths)
         vars(program).update(vars(self) | {"tried": replace(self.tried, worst=worst)})
         return program
 
     def _loose(self) -> float:
-        """Return how many last places of the largest drive a self-test forgives."""
+        """Return the self-test's tolerance in last places of the largest drive."""
         loose = 4096.0 if self.precision == "float32" else 16.0
         return loose * 16.0 if self.steps.calls_functions else loose
 
     @property
     def reference(self) -> str:
-        """The controller that the exported one is compared with: it has the same tables."""
+        """The reference of the exported controller, with the same tables."""
         with_tables = any(
             isinstance(sheet, LookupTable)
             for sheets in self.text.sheets.values()
@@ -290,7 +290,7 @@ class ControllerProgram:
         return lines
 
     def provenance(self) -> list[tuple[str, str]]:
-        """Return where it comes from."""
+        """Return its provenance."""
         entries = [("proved in real arithmetic", words) for words in self.proofs]
         if self.text.path:
             entries.append(("source", Path(self.text.path).name))

@@ -1,8 +1,8 @@
 """The cost of a period of a controller: arithmetic operations, counted from its instructions.
 
-Two programs are counted. The kernel of the closed loop evaluates only the rules that can fire where
-the inputs are, so its cost depends on them: least and most over all cells of the inputs. The
-exported program has every rule in a row; its count is an upper bound of a call.
+Two programs are counted. The kernel of the closed loop evaluates only the rules that can fire in
+the cell of the inputs: least and most over all cells. The exported program has every rule in a row;
+its count is an upper bound of a call.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class StepCost(NamedTuple):
         than min, max, product and sum, and an integration of sets count as one operation of
         that name.
     exported : Counter of str or None
-        Of the exported program, at most; None where the loops of a defuzzifier have no known bound.
+        Of the exported program, at most; None for loops of a defuzzifier without a known bound.
     """
 
     least: Operations

@@ -1,4 +1,4 @@
-"""Documents of XML, whose texts come from files of users."""
+"""XML documents with texts from files of users."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The C of a co-simulation unit: the functions of FMI 2.0 and FMI 3.0.
 
-What both versions do is written once (`_COMMON`); each adds its own names and arguments. A
-function that a unit has no use for is there all the same, as a stub that returns an error
-where it is called with something: hosts look every name up when they load a unit.
+The common part of both versions is `_COMMON`; each adds its own names and arguments. A function
+without use for a unit is a stub that returns an error for a call with arguments: hosts look every
+name up when they load a unit.
 
 References: Functional Mock-up Interface 2.0.4 (2022) and 3.0.1 (2023), modelica.org.
 """
@@ -493,7 +493,7 @@ def _stub(version: int, name: str, parameters: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class UnitC:
-    """The parts of a unit that are its own, as C about an instance ``u``.
+    """The parts specific to a unit, as C about an instance ``u``.
 
     Attributes
     ----------
@@ -504,11 +504,11 @@ class UnitC:
     refresh : tuple of str
         Statements before numbers are read.
     advance : tuple of str
-        Statements that go on to the time ``end``.
+        Statements that advance to the time ``end``.
     now : str
         The time, as an expression.
     places : tuple of str
-        By value reference, the member that holds it.
+        Members of the struct, by value reference.
     settable : int
         So many of them, the first ones, may be set.
     """
@@ -523,7 +523,7 @@ class UnitC:
 
 
 def fmi_source(version: int, token: str, unit: UnitC) -> str:
-    """Return the C of a unit, to be put after the functions that it calls.
+    """Return the C of a unit, to follow the functions that it calls.
 
     Parameters
     ----------
@@ -541,7 +541,7 @@ def fmi_source(version: int, token: str, unit: UnitC) -> str:
         "BEGIN": _lines(unit.begin),
         "CASES": _lines(cases),
         "REFRESH": _lines(unit.refresh or ("(void)u;",)),
-        # The time, the independent variable, has the reference behind all the others.
+        # The time, the independent variable, has the last reference.
         "TIME": f"{len(unit.places)}u",
         "NOW": unit.now,
         "SETTABLE": f"{unit.settable}u",

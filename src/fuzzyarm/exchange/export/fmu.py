@@ -42,7 +42,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """A machine that a unit can hold a library for.
+    """A machine for which a unit can contain a library.
 
     Attributes
     ----------
@@ -99,8 +99,8 @@ class Variable:
 class Unit:
     """A unit to build: its C, and the data of its description.
 
-    The variables that may be set come first. Without a `period` outputs follow their inputs at
-    once; with one they follow those of the beginning of a step.
+    Settable variables come first. Without a `period` outputs follow their inputs at once; with one
+    they follow the inputs at the beginning of a step.
     """
 
     prefix: str
@@ -115,7 +115,7 @@ class Unit:
 def controller_fmu(
     program: ControllerProgram, prefix: str, version: int = 2, platforms: Sequence[Platform] = ()
 ) -> bytes:
-    """Return a controller as a co-simulation unit, built with the C compiler that is there."""
+    """Return a controller as a co-simulation unit, built with the installed C compiler."""
     _require_double(program.precision == "float64")
     steps, model = program.steps, program.text.model
     made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
@@ -155,7 +155,7 @@ def routines_fmu(
     functions = made.printer.program.functions.items()
     called = [made.printer.called[key] for key, each in functions if each.public]
     inputs = {a.name: a for routine in routines for a in routine.arguments if not a.holds}
-    # Arguments in the order of inputs, a last value in a place of its own.
+    # Arguments in the order of inputs, a last value in a separate member.
     at = {name: f"u->input[{k}]" for k, name in enumerate(inputs)}
     holding = [k for k, routine in enumerate(routines) if routine.arguments[-1].holds]
     taken: set[str] = set()
@@ -216,7 +216,7 @@ def _require_double(double: bool) -> None:
 
 
 def _start(argument: RoutineArgument) -> float:
-    """Return the value of a range that is nearest to zero."""
+    """Return the value of a range nearest to zero."""
     return float(min(max(0.0, argument.low), argument.high))
 
 
@@ -283,7 +283,7 @@ def _cross_compiler() -> list[str]:
 def compile_library(
     compiler: Sequence[str], files: dict[str, str], name: str, suffix: str
 ) -> bytes:
-    """Return the shared library that a C compiler makes of some files."""
+    """Return the shared library from some files, by a C compiler."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         for file, text in files.items():
             (Path(folder) / file).write_text(text, "utf-8")
@@ -427,7 +427,7 @@ def _description(unit: Unit, version: int, token: str) -> str:
             variable = Xml.SubElement(variables, "ScalarVariable", words)
             Xml.SubElement(variable, "Real", {**unit_attribute, **start})
     if version == 3:
-        # FMI 3 wants the independent variable listed; FMI 2 does not know it.
+        # FMI 3 requires the independent variable; FMI 2 has none.
         reference = str(len(unit.variables))
         time = {"name": "time", "valueReference": reference, "causality": "independent"}
         Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})

@@ -15,7 +15,7 @@ _CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}
 
 
 def carried(value: Node) -> set[str]:
-    """Return the symbols of which one that is not a number makes that of a value."""
+    """Return the symbols whose NaN makes a value NaN."""
     if isinstance(value, Symbol):
         return {value.name}
     if isinstance(value, Apply) and value.operation in _CARRYING:
@@ -38,7 +38,7 @@ def endless(value: Node, states: Collection[str]) -> set[str]:
         return {NOT_A_NUMBER, _LOW, _HIGH}
     condition, then, otherwise = value.arguments
     ways = endless(then, states)
-    # Of two that are compared the smaller one is not inf, and neither is NaN.
+    # Of two compared values the smaller one is not inf, and neither is NaN.
     if isinstance(condition, Apply) and condition.operation in {"less", "less_equal"}:
         small, large = condition.arguments
         if then is small:
@@ -49,7 +49,7 @@ def endless(value: Node, states: Collection[str]) -> set[str]:
 
 
 def folded(node: Node) -> Node:
-    """Return a number in place of an operation of numbers."""
+    """Return the number for an operation on numbers."""
     assert isinstance(node, Apply)
     known = all(isinstance(argument, Constant) for argument in node.arguments)
     return specialise(node, {}) if known else node

@@ -51,7 +51,7 @@ Seed = tuple[tuple[int, float], ...]
 
 
 class Known(NamedTuple):
-    """A number that the controller knows of the loop: measured, or remembered.
+    """A number of the loop known to the controller: measured, or remembered.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Known(NamedTuple):
     first : str
         Of a memory without a value in the first period, the symbol of the condition for that.
     seed : tuple of (int, float) or None
-        Its deviation then, as weights of others; None where there is none.
+        Its deviation, as weights of others; None without one.
     """
 
     symbol: str
@@ -76,14 +76,14 @@ class Known(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RegionGuard:
-    """The test of a state, and what the drives send once it fails.
+    """The test of a state, and the drives after it fails.
 
     Attributes
     ----------
     known : tuple of Known
         The controller's k.
     unknown : tuple of str
-        States of the loop over which W is the least V; empty where it is V.
+        States of the loop over which W is the least V; empty if it is V.
     factor : tuple of tuple of float
         Rows of L from the diagonal on.
     limit, delta : float
@@ -121,7 +121,7 @@ class RegionGuard:
         else:
             yield f"  a state that passes has V <= 1; every one with V <= 1 - {delta} passes"
         yield "  by floats of 32 bits or more, measured values and memory taken as they are"
-        if certificate.claim.start:  # else the claim says it
+        if certificate.claim.start:  # else it is part of the claim
             region = self.checked.region.items()
             reach = (f"{name} in {inward_interval(*ends, 6)}" for name, ends in region)
             yield f"  V <= 1 reaches to {', '.join(reach)}"
@@ -196,7 +196,7 @@ class RegionGuard:
     # ── the self-test ────────────────────────────────────────────────────────────────
 
     def value(self, numbers: Sequence[float], *, first: bool) -> Fraction:
-        """Return W of what is known, exactly."""
+        """Return W of the known numbers, exactly."""
         pairs = zip(numbers, self.known, strict=True)
         off = [Fraction(x) - Fraction(known.rest) for x, known in pairs]
         for k, known in enumerate(self.known):
@@ -316,6 +316,6 @@ def step_name(*, guarded: bool) -> str:
 
 
 def port_label(steps: Steps, name: str) -> str:
-    """Return the name of a port, with its axis where there are several."""
+    """Return the name of a port, with its axis if there are several."""
     variable = steps.variables[name]
     return variable.name if steps.model.has_one_axis else f"{variable.axis}.{variable.name}"

@@ -5,9 +5,9 @@ functions of the typed program here, statement by statement and in the same orde
 that every language prints them as it prints all else.
 
 No language needs pointers or tuples for that. An array of the kernel is a *stretch* of one of three
-memories: where it begins and how long it is. The whole numbers and the floats of the layout are
-constants of the program; scratch is an array that functions hand on. A function that returns
-several numbers leaves them in the last elements of scratch.
+memories: its begin and its length. The whole numbers and the floats of the layout are constants of
+the program; scratch is an array passed from function to function. A function that returns several
+numbers leaves them in the last elements of scratch.
 
 The tables are constants, so an element of them at a known index is a number, and a branch that
 depends on such numbers alone is decided here: an exported program has no choice that its rule base
@@ -92,7 +92,7 @@ class _Walk:
         layout = walk.layout
         limit, self.least = (math.inf, 0.0) if program.endless else stand_ins(layout.floats)
         self.whole = tuple(int(number) for number in layout.whole)
-        # Nothing that is compared with an endless number is larger than the largest one.
+        # No value compared with an infinite number exceeds the largest finite one.
         self.floats = tuple(
             0.0 if math.isnan(x) and not program.endless else min(max(x, -limit), limit)
             for x in layout.floats
@@ -123,7 +123,7 @@ class _Walk:
         return self.function(walk.function, given)
 
     def function(self, function: Callable[..., Any], arguments: Sequence[Value]) -> _Lowered:
-        """Lower a function for arguments of some types, with all that it calls."""
+        """Lower a function for arguments of some types, with all functions that it calls."""
         key = (function, *(value.given or value.type for value in arguments))
         if key not in self.functions:
             lowered = _Lowered(self, function, arguments)
@@ -156,7 +156,7 @@ class _Lowered(Expressions):
     returned : Type
         Its result.
     result : Node or None
-        A number that it always returns.
+        The number that it always returns.
     """
 
     whole: _Walk
@@ -181,7 +181,7 @@ class _Lowered(Expressions):
         self.result: Node | None = None
         self.signature: list[tuple[int, str]] = []
         self.uses_scratch = False
-        # How often each name is set: one that is set once to a constant is that constant.
+        # Number of assignments of each name: one assigned once, to a constant, is that constant.
         names = [node for node in ast.walk(self.source) if isinstance(node, ast.Name)]
         self.times_set = Counter(node.id for node in names if isinstance(node.ctx, ast.Store))
         self.times_set.update(
@@ -213,7 +213,7 @@ class _Lowered(Expressions):
             self.result = value if isinstance(value, Whole | Constant) else None
         self.is_empty = not body
         if self.is_empty or self.result is not None:
-            return  # nobody calls it
+            return  # never called
         keys = {
             key: (number, part)
             for number, name in enumerate(names)
@@ -226,7 +226,7 @@ class _Lowered(Expressions):
                 kind = PLACE if place[1] else KINDS[Scalar(self.types[names[place[0]]])]
                 parameters[key] = Variable(key.replace(" ", "_"), kind)
                 self.signature.append(place)
-        # A parameter stays as it is; an assigned one is a copy.
+        # A parameter is used directly; an assigned one is a copy.
         changed = [key for key in parameters if key in set_in(body)]
         for key in changed:
             parameters = {
@@ -358,7 +358,7 @@ class _Lowered(Expressions):
         return [] if target.id == "_" else self._set(target.id, value)
 
     def _set(self, name: str, value: Value) -> list[Line]:
-        """Return the statements that set a variable; one that is set once may be its value."""
+        """Return the statements that set a variable; one set once may be its value."""
         self.types[name] = wider(self.types.get(name), value.type)
         once = self.times_set[name] == 1 and name not in self.parameters
         if isinstance(value.content, Stretch):

@@ -29,7 +29,7 @@ from fuzzyarm.symbolic.printing import Assign
 from fuzzyarm.symbolic.translation.functions import NotTranslatedError
 from fuzzyarm.symbolic.translation.types import Array, Scalar, TupleType, Type, wider
 
-# ── whole numbers and conditions that are known when a program is made ───────────────
+# ── whole numbers and conditions known at export ─────────────────────────────────────
 
 
 def whole_number(operator: type[ast.operator], a: Node, b: Node) -> Node:
@@ -79,7 +79,7 @@ def denied(condition: Node) -> Node:
 
 
 def both(a: Node, b: Node, *, is_and: bool) -> Node:
-    """Return whether both of two conditions hold, or one of them."""
+    """Return the conjunction (`is_and`) or the disjunction of two conditions."""
     for here, there in ((a, b), (b, a)):
         if isinstance(here, Truth):
             return there if here.value == is_and else Truth(not is_and)
@@ -107,7 +107,7 @@ _DECIDED: dict[type, Callable[[Any, Any], bool]] = {
 
 
 class Stretch(NamedTuple):
-    """A part of a memory: where it begins, and how long it is."""
+    """A part of a memory: its begin and its length."""
 
     at: Node
     length: Node
@@ -134,7 +134,7 @@ class Setting(Protocol):
         """Return the key of the array in which stretches of a kind lie."""
 
     def function(self, function: Callable[..., Any], arguments: Sequence[Value]) -> LoweredKernel:
-        """Lower a function for arguments of some types, with all that it calls."""
+        """Lower a function for arguments of some types, with all functions that it calls."""
 
     def dispatch(self, number: Node, arguments: Sequence[Value]) -> list[Line]:
         """Return the call of the function behind an address."""
@@ -160,9 +160,9 @@ class Expressions:
     Attributes
     ----------
     before : list of Line
-        Statements that have to come before the one in which the expression is.
+        Statements to run before that of the expression.
     kinds : dict
-        Types of the variables that were made.
+        Types of the new variables.
     local, types : dict
         Values and types of the names of the kernel.
     """
@@ -193,7 +193,7 @@ class Expressions:
         return name
 
     def named(self, value: Value) -> Value:
-        """Return a variable that is set to a value before the statement."""
+        """Return a variable set to a value before the statement."""
         if not isinstance(value.type, Scalar) or isinstance(value.content, Constant | Whole):
             return value
         name = self.new_name("t")
@@ -313,7 +313,7 @@ class Expressions:
         if isinstance(node.slice, ast.Slice):
             ends = (node.slice.lower, node.slice.upper)
             start, end = (None if part is None else self.value(part).content for part in ends)
-            # An end that the kernel names lies inside.
+            # An explicit end lies inside.
             length = stretch.length if end is None else end
             at = stretch.at
             if start is not None:
@@ -414,7 +414,7 @@ class Expressions:
 
 
 def as_type(value: Value, type_: Type) -> Node:
-    """Return a value as one of another type."""
+    """Return a value converted to another type."""
     content: Node = value.content
     if value.type == type_:
         return content

@@ -1,9 +1,9 @@
-"""The languages of exported modules: a record of spellings, and one of the frame of a file, each.
+"""The languages of exported modules: for each a record of spellings and one of a file's frame.
 
 MicroPython imports `math` and `array` alone, and its numbers are written so that no reader of
 decimals can round them: arrays as bytes, single numbers as the quotient of two whole ones.
 JavaScript is a module for browsers and node. Rust is one source file that needs `core` alone, or
-the crate `libm` where the rules have functions of mathematics and there is no `std`.
+the crate `libm` for mathematical functions without `std`.
 
 To add a language
 -----------------
@@ -92,7 +92,7 @@ def _python_operation(printer: Printer, operation: Operation, _kind: Kind) -> st
 
 
 def _python_own(printer: Printer, name: str) -> None:
-    """Write a function of fuzzyarm's own arithmetic, and those that it calls."""
+    """Write a function of fuzzyarm's own arithmetic, and its callees."""
     text = _ENDLESS if name == "_endless" else _python_source(getattr(operations, name))
     if name != "_endless":
         for helper_name in re.findall(r"\b_[a-z]+\b", text):
@@ -111,7 +111,7 @@ def _python_source(function: Callable[..., Any]) -> str:
                 if argument is not None:
                     argument.annotation = None
     text = f"{ast.unparse(tree)}\n"
-    # A result that is too large is a ValueError in MicroPython, of a positive base as well.
+    # Overflow is a ValueError in MicroPython, for a positive base as well.
     return text.replace(
         "if base != 0.0:", "if base > 0.0:\n            return math.inf\n        if base < 0.0:"
     )
@@ -128,7 +128,7 @@ def _python_number(printer: Printer, value: float, kind: Kind) -> str:
         return f"-{_python_number(printer, -value, kind)}"
     if value not in printer.known:
         name = printer.known[value] = f"K{len(printer.known)}"
-        # Both have to be floats themselves before they are divided.
+        # Both must be floats before the division.
         exact = under < 2**1000 and over < 2**1000
         text = f"{over} / {under}" if exact else repr(value)
         printer.constants.append(f"{name} = {text}  # {value!r}")
@@ -150,7 +150,7 @@ def _python_cast(text: str, before: Kind, after: Kind) -> str:
     return f"{'float' if _is_float(after) else 'int'}({text})"
 
 
-# A product is NaN where an argument is a text, and keeps the sign of zero.
+# A product is NaN for a text argument, and preserves the sign of zero.
 _PYTHON_CHECK = """def _checked(value, name):
     number = None
     try:
@@ -232,7 +232,7 @@ _JAVASCRIPT_HELPERS = {
 def _with_helpers(
     helpers: dict[str, tuple[str, str]], text: Callable[[Operation], str]
 ) -> Callable[[Printer, Operation, Kind], str]:
-    """Return the text of operations, of which some are functions that a file brings along."""
+    """Return the text of operations, some of them helper functions in the file."""
 
     def operation_text(printer: Printer, operation: Operation, _kind: Kind) -> str:
         if operation.name not in helpers:
@@ -260,7 +260,7 @@ def _listed(
 
 
 def _numbers(nan: str, infinity: str) -> Callable[[Printer, float, Kind], str]:
-    """Return the text of floats of 64 bits, of which the infinite ones have names."""
+    """Return the text of floats of 64 bits; infinite ones have names."""
 
     def number_text(_printer: Printer, value: float, _kind: Kind) -> str:
         if math.isfinite(value):

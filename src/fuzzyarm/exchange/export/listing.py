@@ -1,8 +1,7 @@
 """A program as the statements of a C function, and their cost.
 
-Each part that has a name becomes a variable. Straight terms stay conditional expressions;
-a part that is used twice is written with more variables and ``if``, so that
-nothing is computed twice or in vain.
+Each named part becomes a variable. Straight terms stay conditional expressions; a part used twice
+gets more variables and ``if``, so that nothing is computed twice or in vain.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ def uses_functions(nodes: Iterable[Node]) -> bool:
 def operations_of(
     node: Node, called: Callable[[str], Counter[str]] | None = None, *, least: bool = False
 ) -> Counter[str]:
-    """Return how many operations of each sort an expression takes, never both branches.
+    """Return the number of operations of each sort in an expression, never both branches.
 
     `called` has the cost of a symbol that replaces a call; `least` takes the branch of fewer
     operations instead of the most of each sort.
@@ -54,9 +53,9 @@ def operations_of(
 
 @dataclass(frozen=True)
 class Loop:
-    """Statements that are run for each sample; the sums are set to 0 before."""
+    """Statements run for each sample; the sums are set to 0 before."""
 
-    sums: SampleSums  # of which program
+    sums: SampleSums  # of its program
     body: tuple[Statement, ...]  # in terms of the variables of the program
 
 
@@ -64,7 +63,7 @@ class Loop:
 class Walked:
     """A walk over tables, which sets two variables."""
 
-    walk: DefuzzifierWalk  # of which program
+    walk: DefuzzifierWalk  # of its program
     parts: tuple[Node, ...]  # in terms of the variables of the program
 
 
@@ -74,11 +73,11 @@ class Listing:
     Attributes
     ----------
     body : list of Statement
-        In order; a name that comes again is a variable that is set again.
+        In order; a repeated name is a variable set again.
     result : Node
         The value of the function, of these variables.
     reads : set of str
-        All symbols that are read.
+        All symbols read.
     names : set of str
         Of all variables.
     """
@@ -121,8 +120,8 @@ class Listing:
     def _in_variables(self, program: OutputProgram) -> tuple[list[Assign | Loop | Walked], Node]:
         """Return the variables and the result, each of the variables before it.
 
-        A variable that is set more than once is the name of its last part only: before that,
-        another use of a part is written out.
+        A variable set more than once names its last part only: earlier uses of a part are written
+        out.
         """
         last = {name: i for i, variable in enumerate(program.variables) for name in _sets(variable)}
         nodes: dict[Node, Node] = {}
@@ -182,7 +181,7 @@ class Listing:
         return nodes[root]
 
     def _called(self, call: Call, argument: Node) -> Node:
-        """Return a symbol that is printed as the call of a function."""
+        """Return a symbol printed as the call of a function."""
         name = f"call {len(self.calls)}"
         self.calls[name] = (call, argument)
         return symbol(name)

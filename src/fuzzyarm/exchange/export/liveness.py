@@ -1,4 +1,4 @@
-"""Variables of a function that was lowered from Python: which of them are read, and where.
+"""Liveness of variables in a function lowered from Python.
 
 Python's names live as long as a function; those of other languages as long as a block.
 """
@@ -45,7 +45,7 @@ def _every(body: Sequence[Line]) -> Iterator[Line]:
 
 
 def _own(line: Line) -> list[Any]:
-    """Return the symbols that a statement reads itself, without its blocks."""
+    """Return the symbols read by a statement itself, without its blocks."""
     if isinstance(line, When | While):
         return [line.condition]
     if isinstance(line, Count):
@@ -105,7 +105,7 @@ def _only(body: Sequence[Line], read: set[str]) -> list[Line]:
 def declared_first(
     body: Sequence[Line], parameters: set[str], variables: Mapping[str, Variable]
 ) -> list[Line]:
-    """Return assignments of zero to variables that are read outside of the block that sets them."""
+    """Return assignments of zero to variables read outside the block that sets them."""
     outside: dict[str, None] = {}
 
     def visit(block: Sequence[Line], known: set[str]) -> None:

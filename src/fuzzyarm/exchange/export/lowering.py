@@ -161,7 +161,7 @@ class _Rules:
 
 @dataclass
 class _Table:
-    """A table: the cell that the inputs fall into, or the blend of the corners around them."""
+    """A table: the cell of the inputs, or the blend of the corners around them."""
 
     core: Core
     program: Program

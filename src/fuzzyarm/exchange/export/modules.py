@@ -1,7 +1,7 @@
-"""A program as a module in one file, in a language that has a record of its own.
+"""A program as a module in one file, in a language with a record.
 
 The parts come from the printer; the record (`languages.py`) has the frame of the file and of the
-class of a controller, as templates: a hole on a line of its own takes lines.
+class of a controller, as templates: a hole on its own line takes lines.
 """
 
 from __future__ import annotations
@@ -35,14 +35,13 @@ class Module(NamedTuple):
     frame : str
         The file: ``<name>`` (the stem of its path), ``<identifier>`` (made of that),
         ``<constants>``, ``<helpers>``, ``<parts>``, ``<more>`` and ``<test>``, which sets
-        ``failed``. Names that it declares itself are reserved words of its language, but not
-        ``failed``.
+        ``failed``. Names declared by it are reserved words of its language, but not ``failed``.
     controller : str
         A class: ``<fields>``, ``<starts>``, ``<parameters>``, ``<returned>`` and ``<step>``.
     own : str
         The first parameter of the step.
     field, start : str
-        A member where it is declared, and where it gets its value.
+        The declaration of a member, and its initial assignment.
     arrays : tuple of str
         The value of an array of zeros, of equal elements, of those of a constant, with holes
         ``count``, ``value``, ``name`` (of the constant), ``type``, ``letter`` and ``bytes``.
@@ -83,7 +82,7 @@ def module_of(printer: Printer, module: Module, name: str = "module") -> str:
 
 
 def _filled(template: str, blocks: Mapping[str, Sequence[str] | str]) -> Iterator[str]:
-    """Yield the lines of a template; a hole on a line of its own takes lines, others a text."""
+    """Yield the lines of a template; a hole on its own line takes lines, others a text."""
     for line in template.strip("\n").split("\n"):
         hole = re.fullmatch(r"( *)<(\w+)>", line)
         if hole is not None and not isinstance(blocks[hole[2]], str):
@@ -120,7 +119,7 @@ def _class(printer: Printer, module: Module) -> Iterator[str]:
 
 
 def _start(printer: Printer, module: Module, member: Member) -> str:
-    """Return the text of the value that a member begins with."""
+    """Return the text of a member's initial value."""
     if not isinstance(member.start, tuple):
         return start_text(printer, member)
     zeros, uniform, copied = module.arrays

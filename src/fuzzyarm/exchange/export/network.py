@@ -7,7 +7,7 @@ the order of its coordinates; the function that is linear in each of them is
 
 where v_k is the value at the grid point k, g_i(x_i) the position on axis i in levels, and max(0, a)
 the largest of 0, a_1 … a_n. All of it is sums and max(0, ·), so that a chain of ``Gemm`` and
-``Relu`` computes it: what readers of networks take everywhere. A table over one input is
+``Relu`` computes it: which all readers of networks accept. A table over one input is
 interpolated linearly by f; over more inputs f differs from interpolation within the cells. There,
 with t the position in a cell, m_S the mixed difference of its corners over the axes S,
 
@@ -262,7 +262,7 @@ def network_of(routines: Sequence[Any]) -> NetworkRoutine:
     Raises
     ------
     ExportError
-        If it is not a single table of floating-point numbers that is interpolated.
+        If it is not a single interpolated table of floating-point numbers.
     MissingExtraError
         Without the package onnx.
     """

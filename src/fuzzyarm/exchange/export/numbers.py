@@ -24,7 +24,7 @@ class ExportError(FuzzyarmError, ValueError):
     span : Span
         The offending part in its file; `NOWHERE` if it is not one line.
     path : str
-        The file, where it is known.
+        The file, if known.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class ExportError(FuzzyarmError, ValueError):
         self.span, self.path = span, path
 
     def in_file(self, path: str, hint: str = "") -> ExportError:
-        """Return the error with its file, and another hint where one is given.
+        """Return the error with its file, and maybe another hint.
 
         Parameters
         ----------
@@ -134,8 +134,8 @@ def rounded(values: Iterable[float] | NDArray[np.float64], kind: Kind, name: str
 def rounded_down(values: Sequence[float], kind: Kind, name: str) -> NDArray[Any]:
     """Return the greatest numbers of `kind` that do not exceed `values`.
 
-    For an x of that kind, x is greater than the result exactly where it is greater than the
-    value: a comparison in single precision decides as one in double precision does.
+    For an x of that kind, x is greater than the result exactly if it is greater than the value: a
+    comparison in single precision decides as one in double precision does.
     """
     near = rounded(values, kind, name)
     too_large = near.astype(np.float64) > np.asarray(values, dtype=np.float64)

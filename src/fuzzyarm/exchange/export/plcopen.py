@@ -1,8 +1,8 @@
-"""A project for a PLC, and the same as PLCopen XML (TC6, version 2.01), which IDEs import.
+"""A project for a PLC, and the same as PLCopen XML (TC6, version 2.01), for import by IDEs.
 
 Formats that import Structured Text keep its declarations apart from its statements. They all begin
-with a `Project`, the text of a ``.st`` read back with a program that tests it, so that none of them
-has its own printer. In XML declarations become elements; statements stay as they are.
+with a `Project`, the text of a ``.st`` read back with its test program, so that none needs a
+printer. In XML declarations become elements; statements stay as they are.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ _DECLARATION = re.compile(
 
 @dataclass(frozen=True)
 class Declaration:
-    """A variable: its type or that of its elements, the last index of an array, where it starts.
+    """A variable: its type or that of its elements, the last index of an array, its initial value.
 
     `start` is the text of the number, or of all elements; `remark` mostly is a unit; `named` is the
     name of the type of an array that has one.
@@ -103,7 +103,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Project:
-    """All units, each after those that it calls; the program that tests is the last one.
+    """All units, callees first; the test program is the last one.
 
     `blocks` are the names of the blocks that a program calls, `types` the arrays whose types have
     names.
@@ -155,7 +155,7 @@ def controller_project(program: ControllerProgram, prefix: str) -> Project:
 
 
 def _has_subnormal(point: Sequence[float], kind: Kind) -> bool:
-    """Whether a number is smaller than a PLC's literals may be; most of them take it for zero."""
+    """Whether a number is below a PLC's smallest literal; most PLCs read it as zero."""
     if np.issubdtype(kind, np.integer):
         return False
     smallest = float(np.finfo(kind).tiny)

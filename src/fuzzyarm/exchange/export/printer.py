@@ -78,15 +78,15 @@ class Target:
     cast : callable
         From a text and two kinds to the text of a conversion.
     cast_binds : int
-        How tightly the text has to bind: 9 where a conversion is an operator before it.
+        Required precedence of the text: 9 for a conversion by a prefix operator.
     element, argument, array_argument : str
-        An element of an array; an array that is handed over; the type of a parameter that is one.
+        An element of an array; an array as argument; the type of an array parameter.
     member : str
         A variable of the state.
     quotient : str
         The quotient of two whole numbers, which binds like a product.
     again : str
-        Declares a variable that is set again later.
+        Declares a variable that is assigned again later.
     when, otherwise, repeat, loop, end : str
         The lines of compound statements.
     function : tuple of str
@@ -98,19 +98,19 @@ class Target:
     helpers : tuple of str
         Names of helpers that `operation` adds.
     public, hidden : str
-        In front of functions that others call, and of those that they do not.
+        Prefixes of public and of private functions.
     several, several_type, array_type : str
         Several results, their type (of all kinds, or of the first), and that of an array of the
         state.
     unused : str
-        The statement that marks a parameter as unused, where a compiler needs one.
+        The statement that marks a parameter as unused, if a compiler needs one.
     refused : re.Pattern, optional
-        Names that are macros where the file is included.
+        Names that are macros in the including file.
     scratch, lent, written : str
-        The statement that makes an array of floats; how it is handed over; the type of a parameter
-        that is one.
+        The declaration of an array of floats; its spelling as argument; the type of such a
+        parameter.
     count : str
-        The head of a loop over whole numbers; empty where a loop with a condition is all there is.
+        The head of a loop over whole numbers; empty for a language with conditional loops only.
     left, stop : str
         The statements that return from anywhere, and that leave a loop.
     run : str
@@ -118,8 +118,8 @@ class Target:
     flawed_floats : bool
         Whether a port of the language may compute in floats of 32 bits.
     checked : tuple of str
-        The statement that refuses an argument that is not a number, with a hole for its name, and
-        the definition that it calls, in a language without types.
+        For a language without types: the statement that refuses a non-numeric argument, with a hole
+        for its name, and the definition that it calls.
     """
 
     language: Language
@@ -213,7 +213,7 @@ class Printer:
             self.functions.append("\n".join(self.function_printer(function).text(self.called[key])))
 
     def reserve(self) -> None:
-        """Take names that the frame of the file has."""
+        """Reserve the names in the frame of the file."""
 
     def name_state(self) -> None:
         """Name the variables of the state."""
@@ -249,7 +249,7 @@ class Printer:
         return self.target.private.format(self.names.new(stem))
 
     def call(self, key: str) -> str:
-        """Return how a function is called: its name and its parameters."""
+        """Return the signature of a function: its name and its parameters."""
         function = self.program.functions[key]
         return f"{self.called[key]}({', '.join(self.parameters(function).values())})"
 
@@ -259,7 +259,7 @@ class Printer:
         return {key: names.new(variable.stem) for key, variable in function.parameters.items()}
 
     def test_lines(self, test: SelfTest, stem: str) -> list[str]:
-        """Return the statements of a test: where a result is off, ``failed`` becomes true."""
+        """Return the statements of a test: a wrong result sets ``failed``."""
         width = len(test.rows[0])
         key = f"test {len(self.arrays)}"
         data = [x for row in test.rows for x in row]
@@ -283,7 +283,7 @@ class Printer:
 
 
 def judged(test: SelfTest, pairs: Sequence[tuple[Node, Node]], target: Target) -> list[Line]:
-    """Return the statements that set ``failed`` where a result is off."""
+    """Return the statements that set ``failed`` for a wrong result."""
     if np.issubdtype(test.kind, np.integer):
         return [When(~apply("equal", *pair), (Assign("failed", Truth(True)),)) for pair in pairs]
     most: Node = constant(test.tolerance)
@@ -302,7 +302,7 @@ def judged(test: SelfTest, pairs: Sequence[tuple[Node, Node]], target: Target) -
 
 
 def start_text(printer: Printer, member: Member) -> str:
-    """Return the text of the value that a number of the state begins with."""
+    """Return the text of a state number's initial value."""
     start, target = member.start, printer.target
     assert not isinstance(start, tuple)
     if member.kind is TRUTH:
@@ -349,7 +349,7 @@ class FunctionPrinter:
         return variable.kind if variable else function.real
 
     def parameter_texts(self) -> list[str]:
-        """Return the parameters, each with its type in a language that has some."""
+        """Return the parameters, with types in a typed language."""
         target, texts = self.target, []
         for key, variable in self.function.parameters.items():
             kind = target.types.get(variable.kind, "")
@@ -383,7 +383,7 @@ class FunctionPrinter:
         return [opening, *remark, *unread, *lines, end]
 
     def checks(self) -> list[str]:
-        """Return the statements that refuse arguments that are not numbers."""
+        """Return the statements that refuse non-numeric arguments."""
         statement, definition = self.target.checked
         numbers = [
             self.rename[key]
@@ -455,7 +455,7 @@ class FunctionPrinter:
         return [head, *map(self._set, line.targets, parts, [""] * len(line.targets))]
 
     def _counted(self, line: Count) -> list[str]:
-        """Run statements with a whole number that is counted up or down."""
+        """Run statements in a loop with a counter."""
         if not self.target.count:
             following = symbol(line.variable) + Whole(line.step)
             ends = symbol(line.variable), line.end

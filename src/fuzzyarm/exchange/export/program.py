@@ -1,8 +1,8 @@
-"""One output of a rule base as one expression, with the names that its parts have in C.
+"""One output of a rule base as one expression, with the names of its parts in C.
 
-The expression is the whole truth: its values over arrays are the model of the exported
-function, and :mod:`fuzzyarm.exchange.export.listing` writes it in C. The names beside it say which
-parts are variables there: the degrees, the firing strengths, the growing heights.
+The expression is the whole truth: its values over arrays are the model of the exported function,
+and :mod:`fuzzyarm.exchange.export.listing` writes it in C. The names beside it mark the variables
+there: the degrees, the firing strengths, the growing heights.
 """
 
 from __future__ import annotations
@@ -97,8 +97,8 @@ class OutputProgram:
     # a part that grows out of the one before: a sum, a greatest value. It is read as a variable
     # after its last mention, which need not add anything.
     variables: tuple[Assign | SampleSums | DefuzzifierWalk, ...]
-    calls: Mapping[Node, Call]  # the parts that are calls of functions
-    holds: bool  # whether the last argument is the value to hold where no rule fires
+    calls: Mapping[Node, Call]  # parts printed as calls of functions
+    holds: bool  # whether the last argument is the value to hold
 
     @property
     def walks(self) -> tuple[DefuzzifierWalk, ...]:
@@ -136,9 +136,9 @@ class OutputProgram:
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> OutputProgram:
-    """Write down one output of a rule base; an ExportError names an obstacle.
+    """Return one output of a rule base as a program; an ExportError names an obstacle.
 
-    No variable takes one of `parameters`, the names of the inputs in the target language.
+    No variable is named as one of `parameters`, the names of the inputs in the target language.
     """
     return _Builder(rulebase, output, parameters).build()
 
@@ -174,7 +174,7 @@ class _Builder:
         self.target = target
         self.names = Names(reserved=set(parameters))
         self.variables: list[Assign | SampleSums | DefuzzifierWalk] = []
-        # Of each output that is walked: the strength of each of its contributions.
+        # For each walked output: the strength of each of its contributions.
         self.walked: dict[str, dict[int, Node]] = {}
         self.named: set[Node] = set()
         self.calls: dict[Node, Call] = {}
@@ -377,7 +377,7 @@ class _Builder:
         return last_value
 
     def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
-        """Return a value above 0 where a rule fires, and the output's value there."""
+        """Return a value above 0 if a rule fires, and the output's value."""
         name, record = output.output.name, output.record
         if name in self.walked:
             total, figure = self._walk(output)
@@ -391,7 +391,7 @@ class _Builder:
         return total, value
 
     def _total_and_figure(self, output: OutputPlan) -> Part:
-        """Return the same of an output that is one expression; the number its value is made of."""
+        """Return the same for an output as one expression: the figure behind its value."""
         name = output.output.name
         if output.discrete:
             total, weighted = self._weighted(output)
@@ -472,7 +472,7 @@ class _Builder:
         return sums.part
 
     def _weighted(self, output: OutputPlan) -> Part:
-        """Return the sum of the strengths and that of the values that they weigh."""
+        """Return the sum of the strengths and the weighted sum of the values."""
         total: Node = ZERO
         weighted: Node = ZERO
         heights = sorted(self.heights[output.output.name].items())
@@ -512,7 +512,7 @@ class _Builder:
         return self.fresh(value, consequent.term.name)
 
     def _position(self, output: OutputPlan, member: int, height: Node) -> Node:
-        """Return where a set that rises or falls throughout reaches a strength."""
+        """Return the position where a monotone set reaches a strength."""
         consequent, model = output.members[member], output.output
         shape = consequent.term.shape
         kind = SHAPES[shape.kind]
@@ -520,7 +520,7 @@ class _Builder:
             share = height if shape.height == 1.0 else height / constant(shape.height)
             numbers = dict(zip(kind.inverse_symbols[1:], shape.parameters, strict=True))
             inverse = specialise(kind.inverse_expression, numbers)
-            # Ends that it only tends to: those of the range.
+            # Ends that it only approaches: those of the range.
             inverse = with_ends(inverse, model.low, model.high)
             value = self.fresh(
                 replace(inverse, {"degree": op.minimum(1.0, share)}), f"{consequent.term.name}_at"
@@ -557,7 +557,7 @@ class _Builder:
 
 
 def _is_expression(output: OutputPlan) -> bool:
-    """Whether an expression of reasonable length gives the value of a set."""
+    """Whether the value of a set is an expression of reasonable length."""
     way = output.output.defuzzifier
     if output.record.of != "gravity" or way.joined:
         return False
@@ -573,12 +573,12 @@ def _is_expression(output: OutputPlan) -> bool:
 
 
 def _sides(output: OutputPlan) -> tuple[int | None, ...]:
-    """Return the sides of an interval type-2 set, each a set by itself; None is all of type 1."""
+    """Return the sides of an interval type-2 set, each as one set; None is all of type 1."""
     return (UPPER, LOWER) if output.sides else (None,)
 
 
 def _on_pieces(pieces: Sequence[Piece], level: Node, beyond: float, *, rising: bool) -> Node:
-    """Return where straight pieces that rise or fall throughout reach a level."""
+    """Return the position where straight monotone pieces reach a level."""
     value: Node = constant(beyond)
     for x0, y0, x1, y1, _ in pieces[::-1] if rising else pieces:
         start, first, end, last = (x0, y0, x1, y1) if rising else (x1, y1, x0, y0)
@@ -606,12 +606,12 @@ class _SetSums:
 
 
 def _quotient(top: Node, bottom: Node) -> Node:
-    """Divide where there is something to divide by; the result is not used elsewhere."""
+    """Divide, guarded against 0; the result is then unused."""
     return where(bottom > 0.0, top / bottom, 0.0)
 
 
 def _into_range(variable: Input | Output, x: Node, *, guard_nan: bool) -> Node:
-    """Return `x` as the variable says; an input that is NaN counts as the lower end."""
+    """Return `x` clamped by its variable's rule; an input that is NaN counts as the lower end."""
     low, high = variable.low, variable.high
     stand_in = low if math.isfinite(low) else high if math.isfinite(high) else 0.0
     if variable.outside == "extend" or not (math.isfinite(low) and math.isfinite(high)):

@@ -52,14 +52,14 @@ class RoutineArgument:
     high: float
     description: str = ""
     scaling: str = ""
-    holds: bool = False  # the last value of an output that holds it where no rule fires
+    holds: bool = False  # the value to hold if no rule fires
 
 
 @dataclass(frozen=True, slots=True)
 class CallCost:
     """Upper bounds of the cost of a call."""
 
-    operations: tuple[tuple[str, int], ...]  # kind of operation and how many
+    operations: tuple[tuple[str, int], ...]  # kind of operation and its number
     stack: int  # bytes of local variables, without the compiler's own
     unbounded: str = ""  # the defuzzifier whose loops are not counted
 
@@ -84,7 +84,7 @@ class Accuracy:
     """The difference between a routine and its model in double precision."""
 
     worst: float  # largest absolute difference, in units of the output
-    points: int  # how many were compared
+    points: int  # number of compared points
     against: str  # the model of the comparison
 
 
@@ -122,7 +122,7 @@ class Routine(Protocol):
         """Return the header comment's lines on index order, borders and arithmetic."""
 
     def provenance(self) -> Sequence[tuple[str, str]]:
-        """Return where it comes from, as pairs of key and text."""
+        """Return its provenance, as pairs of key and text."""
 
     @property
     def accuracy(self) -> Accuracy:
@@ -183,7 +183,7 @@ def routine_words(routine: Routine) -> list[str]:
 
 
 def proved_words(routine: Routine) -> str:
-    """Return the proved worst error against the rules; empty where none is known."""
+    """Return the proved worst error against the rules; empty if unknown."""
     worst_proved = getattr(routine, "worst_proved", None)
     worst = worst_proved() if worst_proved is not None else None
     if worst is None:

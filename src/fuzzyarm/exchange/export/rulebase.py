@@ -60,7 +60,7 @@ class DirectRoutine:
     program : OutputProgram
         The arithmetic.
     source : str
-        The file it comes from, for the head.
+        Its file, for the head.
     """
 
     rulebase: RuleBase
@@ -87,7 +87,7 @@ class DirectRoutine:
 
     @property
     def arguments(self) -> Sequence[RoutineArgument]:
-        """The inputs, and the value to hold where the output holds."""
+        """The inputs, and the value to hold for an output that holds."""
         parameters = [
             RoutineArgument(v.name, v.low, v.high, v.description) for v in self.rulebase.inputs
         ]
@@ -153,7 +153,7 @@ class DirectRoutine:
 
     @property
     def silence(self) -> str:
-        """The result of a function where no rule fires, in words."""
+        """The result of a function if no rule fires, in words."""
         no_rule = self.rulebase.output(self.name).no_rule
         value = {"error": "NaN", "hold": "the last argument"}.get(str(no_rule), no_rule)
         return f"the result is {value} where no rule fires"
@@ -176,7 +176,7 @@ class DirectRoutine:
         ]
 
     def provenance(self) -> Sequence[tuple[str, str]]:
-        """Return where the rule base comes from."""
+        """Return the provenance of the rule base."""
         from fuzzyarm.language import write
 
         pairs = [("rulebase", self.rulebase.name)]
@@ -191,7 +191,7 @@ class DirectRoutine:
         axes = self._grid()
         if math.prod(axis.size for axis in axes) <= _MOST_POINTS:
             points = list(np.ix_(*axes))
-        else:  # not even the corners of so many inputs can all be tried: points drawn from them
+        else:  # too many inputs for all corners: random ones
             draw = np.random.default_rng(len(axes))
             points = [draw.choice(axis, _DENSE_POINTS) for axis in axes]
         result = self.evaluate(*points, *self._held(points[0])).astype(np.float64)
@@ -203,7 +203,7 @@ class DirectRoutine:
         return Accuracy(worst, int(difference.size), words)
 
     def model(self, *inputs: NDArray[Any], held: float | None = None) -> NDArray[np.float64]:
-        """Return the inference of the engine in double precision, NaN where no rule fires.
+        """Return the inference of the engine in double precision, NaN if no rule fires.
 
         Inputs outside a range that forbids it are clamped, as in the exported function.
         """
@@ -212,7 +212,7 @@ class DirectRoutine:
             for variable, x in zip(self.rulebase.inputs, inputs, strict=True)
         }
         last = self._last() if held is None else held
-        # Other outputs may take longer than this one by far.
+        # Other outputs may take far longer than this one.
         part = part_for(_forgiving(self.rulebase), (self.name,))
         part_inputs = {variable.name: columns[variable.name] for variable in part.inputs}
         holding = {o.name: last for o in part.outputs if o.no_rule == "hold"}
@@ -279,14 +279,14 @@ class DirectRoutine:
     def _mixed(self) -> list[NDArray[Any]]:
         """Return points of every piece of each input, mixed over the inputs.
 
-        A corner of a term shows little of the lines that meet there: a constant that is off by a
-        tenth changes the result between corners.
+        A corner of a term shows little of the lines that meet there: a constant wrong by a tenth
+        changes the result between corners.
         """
         number = np.arange(_VECTORS)
         inputs = []
         for k, variable in enumerate(self.rulebase.inputs):
             points = self._telling_points(variable)
-            # Of two inputs all pairs come, in an order that soon has seen every point of each.
+            # Two inputs have all pairs, in an order that soon covers every point of each.
             shift = number // points.size if k else 0
             inputs.append(points[(number * _stride(k, points.size) + shift) % points.size])
         return inputs
@@ -358,7 +358,7 @@ def _stride(number: int, count: int) -> int:
 
 
 def corners_of(variable: Input) -> list[float]:
-    """Return the ends of a variable and where its terms start, end or bend, in order."""
+    """Return the ends of a variable and the corners and bends of its terms, in order."""
     values = {x for x in (variable.low, variable.high) if math.isfinite(x)}
     for term in variable.terms:
         straight = SHAPES[term.shape.kind].straight
@@ -368,7 +368,7 @@ def corners_of(variable: Input) -> list[float]:
 
 
 def _forgiving(rulebase: RuleBase) -> RuleBase:
-    """Return the rule base as the exported function takes it: it cannot raise."""
+    """Return the rule base without errors at run time, as in the exported function."""
     inputs = tuple(
         replace(v, outside="clamp") if v.outside == "error" else v for v in rulebase.inputs
     )

@@ -2,7 +2,7 @@
 
 The text is that of a ``.st`` in another dialect: local names have ``#`` before them and blocks
 are in quotation marks; a function of several parameters is called with their names; arrays are
-not constants; a function keeps nothing; and there is no program, so that the self-test is a block
+not constants; a function has no state; and there is no program, so that the self-test is a block
 as well.
 """
 
@@ -188,7 +188,7 @@ class _SclUnit:
 
 
 def _local(name: str) -> str:
-    """Return a name, in quotation marks where it is a word of SCL."""
+    """Return a name, in quotation marks if it is a word of SCL."""
     if len(name) > LONGEST:
         raise ExportError(
             f"'{name[:20]}…' has {len(name)} letters, and the TIA Portal takes {LONGEST}",
@@ -203,7 +203,7 @@ def _tokens(text: str) -> list[tuple[str, str]]:
 
 
 def _closing(tokens: Sequence[tuple[str, str]], opening: int) -> int:
-    """Return where the parenthesis is closed that a token opens."""
+    """Return the index of the parenthesis that closes a token."""
     depth = 0
     for i in range(opening, len(tokens)):
         depth += (tokens[i][1] == "(") - (tokens[i][1] == ")")

@@ -1,8 +1,8 @@
 """The terms and sets of a rule base as expressions: degrees, and exact areas of straight sets.
 
 Straight terms are the lines of :mod:`fuzzyarm.symbolic.lines`, curved ones and formulas the
-expressions of their records with the numbers of the term in place. Products with zero and
-one are folded here, where most of them come from coefficients that are zero or one.
+expressions of their records with the numbers of the term in place. Products with zero and one are
+folded here: many coefficients are zero or one.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def _on_lines(lines: StraightShape, x: Node) -> Node:
     for i in range(len(lines.edges) - 1, -1, -1):
         edge, height = constant(lines.edges[i]), lines.heights[i]
         before = _on_line(lines.between[i], x)
-        # The corner goes with the side that has its degree; where neither does it is separate.
+        # A corner belongs to the side with its degree; if neither has it, it is separate.
         if lines.between[i + 1].at(lines.edges[i]) == height:
             degree = degree if before is degree else where(x < edge, before, degree)
         elif lines.between[i].at(lines.edges[i]) == height:
@@ -249,7 +249,7 @@ def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[t
 
 
 def most_overlapping(plan: OutputPlan) -> int:
-    """Return how many sets of one side there are at most over one stretch."""
+    """Return the greatest number of overlapping sets of one side."""
     most = 0
     sides = plan.sides or (0,) * len(plan.members)
     for side in {*sides}:
@@ -289,7 +289,7 @@ def _smaller_of_two(
     p0, p1 = (fresh(times(first, y), "p") for y in first_ends)
     q0, q1 = (fresh(times(second, y), "q") for y in second_ends)
     d0, d1 = fresh(minus(p0, q0), "d"), fresh(minus(p1, q1), "d")
-    # The share of the width at which they cross; all of it where they do not.
+    # The share of the width up to the crossing; 1 without one.
     s = fresh(where(times(d0, d1) < 0.0, d0 / minus(d0, d1), 1.0), "s")
     at_p = plus(p0, times(s, minus(p1, p0)))
     at_q = plus(q0, times(s, minus(q1, q0)))

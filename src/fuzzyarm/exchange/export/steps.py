@@ -1,6 +1,6 @@
-"""A controller as steps with named variables, as its exported program takes them.
+"""A controller as steps with named variables, the order of its exported program.
 
-More than arithmetic (asking a rule base, looking up, learning) is a step of its own.
+Operations beyond arithmetic (a rule base, a look-up, learning) are separate steps.
 :mod:`fuzzyarm.exchange.export.walk_of_steps` makes the steps of a text,
 :mod:`fuzzyarm.exchange.export.controller_lowering` a program of the steps.
 """
@@ -52,7 +52,7 @@ def limited_value() -> Node:
 
 
 class StepVariable(NamedTuple):
-    """A number of the controller that lasts from step to step, or a port.
+    """A number of the controller that persists from step to step, or a port.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class StepVariable(NamedTuple):
     start : float
         Before the first step.
     wide : bool
-        Whether it is kept as it was computed, not rounded to the type of signals.
+        Whether it is stored as computed, not rounded to the type of signals.
     number : int
         Of a gain with a value for each axis, the number of the axis; else -1.
     """
@@ -86,7 +86,7 @@ class StepVariable(NamedTuple):
 
 @dataclass(frozen=True)
 class LearningTable:
-    """A table that learns: it lies in memory, beside it how often its cells were in use.
+    """A learning table, with the visits of its cells beside it in memory.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ Step = Set | Ask | Find | Pick | Teach
 
 
 def _reads(step: Step) -> Iterator[str]:
-    """Yield the symbols that a step reads."""
+    """Yield the symbols read by a step."""
     if isinstance(step, Set):
         yield from symbols(step.value)
     elif isinstance(step, Ask | Find):
@@ -176,12 +176,12 @@ class Guard(NamedTuple):
     axis : str
         Whose steps they are.
     reads : tuple of str
-        Symbols of its ports; where one is not a number, the steps are skipped.
+        Symbols of its ports; NaN in one of them skips the steps.
     drives : dict of str to float or None
         By the symbol of each drive, its value in a skipped period; None: its last value.
     numbers, finite : tuple of str
-        Symbols that have to be numbers, and finite, at the end of the steps: else they leave
-        nothing behind.
+        Symbols that must not be NaN, or must be finite, at the end of the steps: else the steps are
+        undone.
     every : int
         The periods from one run of the steps to the next.
     """
@@ -195,7 +195,7 @@ class Guard(NamedTuple):
 
     @property
     def condition(self) -> Node | None:
-        """Whether all values that it reads are numbers."""
+        """Whether all its inputs are numbers."""
         return _all([_is_number(name) for name in self.reads])
 
     @property
@@ -260,7 +260,7 @@ class Steps:
     needs_first : dict of str to None
         Axes for which it matters which period is the first one.
     kept : dict of str to None
-        Symbols of drives whose last value is read, or held between two runs.
+        Symbols of drives with a stored value: read later, or held between two runs.
     blocks : list of Block
         One for each axis.
     """
@@ -281,7 +281,7 @@ class Steps:
     blocks: list[Block] = field(default_factory=list)
 
     def uses(self) -> Counter[str]:
-        """Count how often each symbol is read."""
+        """Count the reads of each symbol."""
         lasting = (step for block in self.blocks for step in block.lasting)
         return Counter(
             [

@@ -2,7 +2,7 @@
 
 A rule base, a table and a controller are a block each, since the constants of a function would be
 copied at every call; a routine without memory is a function. The language has no number for "none":
-where no rule fires and the rule base calls that an error, the output keeps its value and `fired` is
+if no rule fires and the rule base calls that an error, the output keeps its value and `fired` is
 false. Its expressions only calculate: a choice, a search in an array and the call of a block come
 before the statement that needs them (`flattened`).
 """
@@ -103,12 +103,12 @@ def flattened(function: Function, program: Program, is_block: Callable[[str], bo
 
 
 def result_of(function: str) -> str:
-    """Return the symbol of the result of a block that was called."""
+    """Return the symbol of a called block's result."""
     return f"result of {function}"
 
 
 def fired_in(function: str) -> str:
-    """Return the symbol of whether a rule fired in a block that was called."""
+    """Return the symbol of a called block's flag of firing."""
     return f"fired in {function}"
 
 
@@ -127,7 +127,7 @@ class _Flattening:
     # ── statements ───────────────────────────────────────────────────────────────────
 
     def lines(self, body: Sequence[Line]) -> list[Line]:
-        """Return statements, each after those that its values need."""
+        """Return statements, each after the lines that its values need."""
         lines: list[Line] = []
         for line in body:
             outer, self.before = self.before, []
@@ -159,7 +159,7 @@ class _Flattening:
         if self.function.of_kernel:
             return [Assign(name, value, remark)]
         value = self._inner(value)
-        # A value that is cast is found first: a choice is not an expression.
+        # The operand of a cast is computed first: a choice is not an expression.
         if isinstance(value, Cast) and _chooses(value.value):
             value = Cast(self._named(value.value, value.before), value.before, value.after)
         body, result = statements(value, prefix="part_", reserved=self.variables)
@@ -176,7 +176,7 @@ class _Flattening:
         return self._named(node, kind or self.function.real) if _chooses(node) else node
 
     def _named(self, node: Node, kind: Kind) -> Node:
-        """Return a variable that is set to a value before."""
+        """Return a variable set to a value before."""
         name = self._new("value", kind)
         self.before += self._set(name, node, "")
         return symbol(name)
@@ -223,7 +223,7 @@ class _Flattening:
         return symbol(result_of(node.function))
 
     def _searched(self, node: Search) -> Node:
-        """Return the count of a bisection that is done before."""
+        """Return the count of a bisection run before."""
         kind = self.program.functions[node.function].real
         x = self._value(node.value, kind)
         if not isinstance(x, type(symbol("x"))):
@@ -251,7 +251,7 @@ def _chooses(root: Node) -> bool:
 
 
 def _with_numbers(line: Line) -> list[Line]:
-    """Return a statement that sets a number; where that is none, no rule fires."""
+    """Return a statement that sets a number; NaN means that no rule fires."""
     if isinstance(line, Assign):
         if isinstance(line.value, Constant) and math.isnan(line.value.value):
             return [line._replace(value=constant(0.0)), Assign(FIRED, Truth(False))]
@@ -340,7 +340,7 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
 
 @contextmanager
 def printable_only() -> Iterator[None]:
-    """Say so of a function that the language does not have."""
+    """Raise an error: the language lacks the function, which is for printing only."""
     try:
         yield
     except NotPrintableError as error:
@@ -372,15 +372,15 @@ class _File(Printer):
             key for key, f in functions.items()
             if key in words or (_has_arrays(f) and not f.of_kernel)
         }  # fmt: skip
-        self.lent: dict[str, dict[str, int]] = {}  # of functions: constants that they are handed
+        self.lent: dict[str, dict[str, int]] = {}  # of functions: constants passed to them
         self.array_types: dict[tuple[str, int], str] = {}
         for key, function in functions.items():
             self.lent[key] = self._lent_to(function)
         self.ports: dict[str, tuple[list[str], str]] = {}  # of blocks: inputs and output
-        self.flags: dict[str, str] = {}  # of blocks, where one says whether a rule fired
+        self.flags: dict[str, str] = {}  # of blocks with a flag of firing
 
     def _lent_to(self, function: Function) -> dict[str, int]:
-        """Return the constants that a function and those that it calls read, and their sizes."""
+        """Return the constants read by a function and its callees, with their sizes."""
         lent: dict[str, int] = {}
         for node in every_node(function.body):
             if isinstance(node, Element) and function.of_kernel:
@@ -431,13 +431,13 @@ ERROR = "error of the block"
 
 
 def _with_error(step: Function) -> Function:
-    """Return the step with an output that is true in a period which an axis skips."""
+    """Return the step with an output that is true in a skipped period."""
 
     def told(line: Line) -> Line:
         if not isinstance(line, When) or line.remark not in {IN_TURN, ALL_NUMBERS, SETTLED}:
             return line
         then = tuple(map(told, line.then))
-        if line.remark == IN_TURN:  # a period in which it is not its turn is none that it skips
+        if line.remark == IN_TURN:  # a period between two runs is not a skipped one
             return line._replace(then=then)
         return line._replace(then=then, otherwise=(*line.otherwise, Assign(ERROR, Truth(True))))
 
@@ -560,7 +560,7 @@ class _Unit(FunctionPrinter):
         if isinstance(line, Call):
             return [self._called_block(line)]
         if isinstance(line, Assign) and line.value is symbol(f"held {line.name}"):
-            return []  # an output keeps its value by itself
+            return []  # an output keeps its value anyway
         return super()._line(line)
 
     def _set(self, key: str, value: str, remark: str) -> str:
@@ -581,7 +581,7 @@ class _Unit(FunctionPrinter):
         passed = ", ".join(f"{x} := {value}" for x, value in zip(inputs, values, strict=True))
         return f"{self.instances[key]}({passed});"
 
-    # ── arrays that are handed on ────────────────────────────────────────────────────
+    # ── array arguments ──────────────────────────────────────────────────────────────
 
     def _new_array(self, key: str) -> str:
         array = self.file.program.arrays.get(key)
@@ -589,7 +589,7 @@ class _Unit(FunctionPrinter):
         return name
 
     def _arrays_of_kernel(self, key: str) -> dict[str, tuple[Kind, int]]:
-        """Return the arguments that a function takes by reference: scratch, then constants."""
+        """Return the arguments of a function by reference: scratch, then constants."""
         parameters, arrays = self.function.parameters, self.file.program.arrays
         room = {name: (each.kind, each.size) for name, each in parameters.items() if each.of_array}
         return room | {
@@ -604,7 +604,7 @@ class _Unit(FunctionPrinter):
         return []
 
     def _lent(self, key: str) -> str:
-        """Return an array that is handed to a function; of a block it is a variable."""
+        """Return an array passed to a function; of a block it is a variable."""
         if key not in self.arrays:
             array = self.file.program.arrays[key]
             kind = self.file.array_type(array.kind, len(array.values))

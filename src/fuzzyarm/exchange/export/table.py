@@ -225,7 +225,7 @@ class WholeNumberScale:
     """How a quantity becomes a whole number."""
 
     offset: float  # the quantity at 0
-    span: float  # how much quantity 2^bits steps are; positive
+    span: float  # quantity of 2^bits steps; positive
     bits: int  # fraction bits: 15 or 7
 
     @property
@@ -273,7 +273,7 @@ def scale_over(numbers: Sequence[float], bits: int) -> WholeNumberScale:
     return WholeNumberScale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
 
 
-# The way from a signal in floating point to a whole number and back, as it is printed.
+# The conversion from a floating-point signal to a whole number and back, as printed.
 
 
 def shift_of(scale: WholeNumberScale) -> int:
@@ -348,9 +348,9 @@ class FixedTable(NumberTable):
     def arithmetic_error(self) -> float:
         """Return a bound on the difference between result and table in this arithmetic.
 
-        A value is rounded by half a step, and so is each blend. A share of the way is rounded
-        down by 2⁻¹⁵, and levels are rounded by what is known of each; that moves the value by
-        so much of the difference to its neighbour.
+        A value is rounded by half a step, and so is each blend. A share of the way is rounded down
+        by 2⁻¹⁵, and levels are rounded by a known amount; each moves the value by that share of the
+        difference to its neighbour.
         """
         values = self.table.values
         rounded_values = self.output.quantity(self.values).reshape(values.shape)
@@ -539,7 +539,7 @@ class TableRoutine:
         return lines + core.remarks()
 
     def provenance(self) -> Sequence[tuple[str, str]]:
-        """Return where the table comes from."""
+        """Return the provenance of the table."""
         return self.core.table.provenance
 
     def worst_proved(self) -> float | None:

@@ -1,6 +1,6 @@
-"""A controller tried: its program evaluated, over the sequence of its self-test.
+"""A trial of a controller: its program evaluated over the sequence of its self-test.
 
-What a report says of an exported text is measured here, on the program that is printed: as Python
+The figures of a report on an exported text are measured here, on the printed program, as Python
 over numbers of its kinds. In single precision numbers are those of NumPy, whose arithmetic rounds
 every result.
 """
@@ -98,7 +98,7 @@ class EvaluatedController:
         """Forget everything."""
         self.controller = self._new()
         for name, value in vars(self.controller).items():
-            if isinstance(value, array) and value.typecode == "f":  # which gives doubles back
+            if isinstance(value, array) and value.typecode == "f":  # which returns doubles
                 setattr(self.controller, name, list(map(np.float32, value)))
 
     def value(self, symbol: str) -> float:
@@ -154,11 +154,11 @@ def trial(
 ) -> Iterator[dict[str, float]]:
     """Yield values for the ports, period by period.
 
-    References wander. Measured values miss them by errors: for some periods in turn those that
-    show most, then some about one point, so that changes are of every size, too. With a controller
-    the errors bring what its rule bases and tables read into every piece of their terms and cells,
-    and beyond their ranges: of some errors those are taken that bring it to most new places. Then
-    the caller runs it, period by period. Some values are not numbers (`LOST`).
+    References wander. Measured values miss them by errors: for some periods in turn those that show
+    most, then some about one point, so that changes are of every size, too. With a controller the
+    errors move the inputs of its rule bases and tables into every piece of their terms and cells,
+    and beyond their ranges: of several errors the one that reaches most new places. Then the caller
+    runs it, period by period. Some values are not numbers (`LOST`).
     """
     draw = np.random.default_rng(seed)
     sample = _sample(steps, draw)
@@ -171,7 +171,7 @@ def trial(
     places = _Places(steps, controller, movers) if controller is not None else None
 
     def moved(*, around: bool, spread: float) -> dict[StepVariable, float]:
-        """Return errors that may follow."""
+        """Return possible next errors."""
         found = {}
         for port, (next_size, next_change) in turns.items():
             sizes, changes = errors[port]
@@ -228,10 +228,10 @@ _NONE = math.inf, -math.inf
 
 
 class _Places:
-    """Places at which the rule bases and tables of a controller were read, and a drive showed it.
+    """Places read in a controller's rule bases and tables, with a visible effect on a drive.
 
-    A place is a piece of each input, and the pieces of all inputs together. A drive shows nothing
-    where it has a value for the second time: it is at a limit, which it has to reach itself.
+    A place is a piece of each input, and the pieces of all inputs together. A drive with a repeated
+    value shows no effect: it is at a limit.
     """
 
     def __init__(

@@ -1,11 +1,11 @@
-"""The exported program: functions over typed variables, a state, a self-test, in no language yet.
+"""The exported program: functions over typed variables, a state, a self-test, without a language.
 
 Rule bases, tables and controllers are lowered to a `Program` once (`lowering.py`,
 `controller_lowering.py`); a target is a record of spellings (`languages.py`) that one printer
 (`printer.py`) reads.
 
 Expressions are those of :mod:`fuzzyarm.symbolic.nodes`: they have text in every language
-already, and so the formulas of shapes, norms and sources come in as they are. Parts that only
+already, so formulas of shapes, norms and sources are used directly. Parts that only
 programs have (elements of arrays, calls, conversions, whole numbers) are further nodes. Python's
 own syntax tree, the form of the kernels, was the other candidate: it has no remarks and one kind of
 float, and would have been a third printer of formulas.
@@ -75,21 +75,21 @@ class Called(Node):
 
 @dataclass(frozen=True, eq=False)
 class Handed(Node):
-    """An array that is handed to a function, which may write into it."""
+    """An array passed to a function, which may write into it."""
 
     array: str
 
 
 @dataclass(frozen=True, eq=False)
 class Fires(Node):
-    """Whether a rule fired in the last call of a function, where there is no NaN."""
+    """Whether a rule fired in the last call of a function, for a language without NaN."""
 
     function: str
 
 
 @dataclass(frozen=True, eq=False)
 class Cast(Node):
-    """A value as one of another kind; floats are rounded, or cut off to a whole number."""
+    """A value converted to another kind; floats are rounded, or truncated to a whole number."""
 
     value: Node
     before: Kind
@@ -98,7 +98,7 @@ class Cast(Node):
 
 @dataclass(frozen=True, eq=False)
 class Quotient(Node):
-    """The quotient of two whole numbers that are not negative, cut off."""
+    """The quotient of two non-negative whole numbers, truncated."""
 
     dividend: Node
     divisor: Node
@@ -106,7 +106,7 @@ class Quotient(Node):
 
 @dataclass(frozen=True, eq=False)
 class Search(Node):
-    """How many elements of a rising array, from `first` on, are below a value; 0 for NaN.
+    """The number of elements of a rising array, from `first` on, below a value; 0 for NaN.
 
     `function` counts them (`Program.search`), up to the end that it is given: those that equal the
     value as well, or not.
@@ -126,7 +126,7 @@ def at(number: int) -> Node:
 
 
 def cast(value: Node, before: Kind, after: Kind) -> Node:
-    """Return a value as one of another kind; as it is where they are the same."""
+    """Return a value converted to another kind; unchanged if the kinds are equal."""
     return value if before is after else Cast(value, before, after)
 
 
@@ -155,7 +155,7 @@ class Store(NamedTuple):
 
 
 class When(NamedTuple):
-    """Run statements where a condition holds, others where it does not."""
+    """Run statements if a condition holds, else others."""
 
     condition: Node
     then: tuple[Line, ...]
@@ -228,7 +228,7 @@ class Return(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """Run a period of the controller that is tested; set variables to its drives."""
+    """Run a period of the tested controller; set variables to its drives."""
 
     targets: tuple[str, ...]
     arguments: tuple[Node, ...]
@@ -243,9 +243,9 @@ Line = Any
 
 
 class Variable(NamedTuple):
-    """The stem of a name, and the kind: of it, or of the elements of an array handed over.
+    """The stem of a name, and its kind, or that of the elements of an array argument.
 
-    An array of known size is one that is written into.
+    An array of known size is writable.
     """
 
     stem: str
@@ -283,7 +283,7 @@ class Member:
     Attributes
     ----------
     stem, name : str
-        Of its name, with its axis where there are several, and without.
+        Of its name, with its axis if there are several, and without.
     kind : type
         Of it, or of its elements.
     start : float or tuple of float
@@ -328,9 +328,9 @@ class Function:
     remark : str
         Its result.
     result : str
-        Stem of the name of its result, where that is a variable.
+        Stem of the name of its result, if that is a variable.
     may_be_silent : bool
-        Whether it is a rule base, which returns NaN where no rule fires.
+        Whether it is a rule base, which returns NaN if no rule fires.
     of_kernel : bool
         Whether it comes from a kernel: its last statement is `Leave`, or none.
     """
@@ -363,7 +363,7 @@ class SelfTest:
     tolerance : float
         The largest difference of a result.
     loose : float
-        The same where a port computes in floats of 32 bits.
+        The same for a port in floats of 32 bits.
     late : bool
         Whether a step has a last argument for the end of a set point, which is false.
     guarded : bool
@@ -399,10 +399,10 @@ class Program:
     inputs, outputs : list of dict
         Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
     pointers : bool
-        Whether it is for a language that has pointers: parts of arrays are handed over, and a step
+        Whether it is for a language with pointers: parts of arrays are passed, and a step
         finds the end of a set point in its state.
     endless : bool
-        Whether it is for a language that has infinite numbers.
+        Whether it is for a language with infinite numbers.
     """
 
     arrays: dict[str, Array] = field(default_factory=dict)

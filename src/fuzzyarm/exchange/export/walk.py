@@ -1,10 +1,9 @@
-"""Defuzzifiers that exported programs walk over tables: printed from those of the kernel.
+"""Defuzzifiers of exported programs as walks over tables, printed from those of the kernel.
 
-Most outputs are exported as one expression (:mod:`fuzzyarm.exchange.export.program`). Where that
-would be long, or where how far something goes depends on the inputs (maxima, bisectors, the ends
-of type-2 sets, integrals of curves), the strengths are found by expressions as before, and the
-rest is the kernel's own function for one point, in the target language, over constant tables of
-this output.
+Most outputs are exported as one expression (:mod:`fuzzyarm.exchange.export.program`). If that would
+be long, or a loop depends on the inputs (maxima, bisectors, the ends of type-2 sets, integrals of
+curves), the strengths are still expressions, and the rest is the kernel's own function for one
+point, in the target language, over constant tables of this output.
 """
 
 from __future__ import annotations
@@ -100,19 +99,19 @@ class Listed:
 
 @dataclass(frozen=True, eq=False)
 class DefuzzifierWalk:
-    """The two numbers that a defuzzifier makes of the strengths of an output.
+    """The two numbers from a defuzzifier and the strengths of an output.
 
     Attributes
     ----------
     total, value : str
-        Names of the two: something above 0 where a rule fires, and the value (or the moment). The
+        Names of the two: a number above 0 if a rule fires, and the value (or the moment). The
         program reads them as symbols.
     plan : Plan
         Of the whole rule base.
     output : str
         The output.
     parts : tuple of Node
-        The rows of the scratch array, in order: strengths, and values where there are some.
+        The rows of the scratch array, in order: strengths, and values, if any.
     """
 
     total: str
@@ -123,7 +122,7 @@ class DefuzzifierWalk:
 
     @cached_property
     def functions(self) -> Listed:
-        """Functions that the tables number."""
+        """Functions numbered by the tables."""
         listed = Listed()
         vars(self)["layout"] = lay_out_output(self.plan, self.output, listed)
         return listed
@@ -193,8 +192,8 @@ class DefuzzifierWalk:
         whole, floats = len(layout.whole), len(layout.floats)
         scratch = (layout.rows + at.WORK_ROWS) * points + 2 * layout.samples
         block = np.zeros(whole + floats + scratch)
-        # One block holds all: whole numbers, each in the place of a float; the floats; and the
-        # scratch in rows, a number for each point, of which the first are the parts.
+        # One block holds all: whole numbers, each in the space of a float; the floats; and the
+        # scratch in rows of one number for each point, the parts first.
         k = block.view(np.int64)
         k[:whole] = layout.whole
         k[at.POINTS] = k[at.WIDTH] = k[at.COUNT] = points

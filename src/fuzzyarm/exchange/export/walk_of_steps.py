@@ -86,12 +86,12 @@ MOST_LEARNED = 0xFFFF
 
 
 class RoutineOptions(NamedTuple):
-    """How rule bases and tables are exported.
+    """Options for the export of rule bases and tables.
 
     Attributes
     ----------
     q : int or None
-        Tables in whole numbers of so many bits; else as the signals are.
+        Tables in whole numbers of so many bits; else in the type of the signals.
     widened : bool
         Whether rule bases that need double precision compute in it internally.
     """
@@ -124,8 +124,7 @@ def steps_of(
 class Lines(Algebra[Node]):
     """Lines of a program as the numbers of a control period: expressions over its variables.
 
-    A value is an expression until it is stored: then it becomes a step, together with the memory
-    that is left with it.
+    A value is an expression until it is stored: then it becomes a step, together with its memory.
     """
 
     def __init__(self, text: ControllerText, types: Precision, options: RoutineOptions) -> None:
@@ -209,7 +208,7 @@ class Lines(Algebra[Node]):
         """Schedule a memory for the store of its new value."""
         variable = self.begins(cell)
         assert isinstance(variable, Symbol)
-        if cell.what != "last":  # which its drive leaves
+        if cell.what != "last":  # set by its drive
             self.pending.append((variable.name, value, cell.what != "slew"))
         return variable if cell.what == "seen" else value
 
@@ -226,12 +225,12 @@ class Lines(Algebra[Node]):
     def zoom(
         self, line: Zoom, signals: Mapping[str, Node], by: Node, inside: Node
     ) -> dict[str, Node]:
-        """Set signals that are magnified together."""
+        """Set signals magnified together."""
         zoomed = super().zoom(line, signals, by, inside)
         writes = []
         for name, value in zoomed.items():
             key = StepVariable("signal", self.period.axis, name).symbol
-            # It is not rounded again: it is kept as it is.
+            # Already rounded: stored unchanged.
             self.result.variables[key] = self.result.variables[key]._replace(wide=True)
             writes.append((key, value, False))
         # The memory of a signal is its value before.
@@ -290,7 +289,7 @@ class Lines(Algebra[Node]):
         return symbol(StepVariable("gain", "", gain.name, number=number).symbol)
 
     def hold(self, value: float) -> float:
-        """Return a number as it is stored."""
+        """Return a number as stored."""
         return self.arithmetic.hold(value)
 
     def add(self, a: Node, b: Node) -> Node:
@@ -332,17 +331,17 @@ class Lines(Algebra[Node]):
         return root
 
     def _first(self, state: str) -> Node:
-        """Return the condition that the axis of a state runs for the first time."""
+        """Return the condition of a state's first period on its axis."""
         axis = self.result.variables[state].axis
         self.result.needs_first[axis] = None
         return symbol(first_of(axis))
 
     def last(self, every: int) -> Node:
-        """Return the condition that a set point ends."""
+        """Return the condition for the end of a set point."""
         return symbol(LAST)
 
     def rounded(self, value: Node) -> Node:
-        """Give a value that is rounded its own variable."""
+        """Assign a rounded value to its own variable."""
         if not self.result.single or self.result.precision.wide is np.float32:
             return value
         return self._set(self._local(), value, rounded=True)
@@ -355,7 +354,7 @@ class Lines(Algebra[Node]):
         self.lasting, self.numbers, self.finite = [], {}, []
 
     def ran(self, guard: AxisGuard, found: Found[Node]) -> None:
-        """End an axis: states are set where its period counts; a sum is rounded once."""
+        """End an axis: set states if its period counts; round a sum once."""
         self._store([])
         sent: dict[str, float | None] = {}
         drives: list[Set] = []
@@ -364,7 +363,7 @@ class Lines(Algebra[Node]):
             variable = self.result.variables[name]
             self.result.variables[name] = variable._replace(start=guard.idle[port])
             sent[name] = guard.sent[port]
-            # A sum of several lines is one more value that has to be a number.
+            # A sum of several lines is one more value that must be a number.
             drives.append(Set(name, self._number(value), rounded=True))
             if name in self.result.kept and not self._is_limited(port):
                 self.finite.append(drives[-1].value)
@@ -385,15 +384,15 @@ class Lines(Algebra[Node]):
     def _memory(self) -> Iterator[Set]:
         """Yield the steps that set states, in an order in which none reads a new one."""
         set_before: set[str] = set()
-        # A row of values that are handed on is set from its end.
+        # A delay line is set from its end.
         for state, value, _ in reversed(self.lasting):
             safe = set_before.isdisjoint(symbols(value))
             yield Set(state, value if safe else self._set(self._local(), value))
             set_before.add(state)
 
     def _number(self, x: Node) -> Node:
-        """Return the variable of a value that has to be a number."""
-        if isinstance(x, Constant | Symbol):  # signals have to be
+        """Return the variable of a value that must be a number."""
+        if isinstance(x, Constant | Symbol):  # signals must be numbers anyway
             return x
         name = self._local("demand")
         self.numbers[name] = x
@@ -595,7 +594,7 @@ class Lines(Algebra[Node]):
             )
 
     def _file_of(self, name: str, rulebase: RuleBase) -> str:
-        """Return the file of a rule base that the text calls by a name."""
+        """Return the file of a rule base by its name in the text."""
         for use in self.text.model.uses:
             if use.name == name:
                 at_axis = next(

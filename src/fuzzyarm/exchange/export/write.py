@@ -59,7 +59,7 @@ class Files:
     path : Path
         The requested one; others go beside it.
     files : tuple of (Path, str or bytes)
-        Where and what.
+        Paths and contents.
     calls : tuple of str
         Calls of the routines: a C prototype, the name of a function block, or its variables.
     """
@@ -148,7 +148,7 @@ def routines_of(
     proved: Mapping[str, float | None] = MappingProxyType({}),
     widened: bool = False,
 ) -> tuple[Routine, ...]:
-    """Return the routines that a file exports.
+    """Return the routines for the export of a file.
 
     Parameters
     ----------
@@ -167,7 +167,8 @@ def routines_of(
     proved : mapping of str to float or None
         Bound of the difference between the table of an output, looked up so, and its rules.
     widened : bool
-        Whether what is found in double precision only is computed so within, whatever `precision`.
+        Whether parts available in double precision only are computed in it internally, despite
+        `precision`.
 
     Raises
     ------
@@ -223,7 +224,7 @@ def export_files(
     routines : sequence of Routine
         What to export.
     path : str or Path
-        Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
+        Its suffix is one of `EXPORTS`; a ``.c`` has its ``.h`` beside it.
     name : str, optional
         Begins every identifier; the name of the file by default.
     fmi : int
@@ -253,7 +254,7 @@ def write_export(
     routines : sequence of Routine
         What the files hold, in order.
     path : path-like
-        Its suffix says which language.
+        Its suffix selects the language.
     name : str, optional
         Of the module; by default that of the file.
 
@@ -284,7 +285,7 @@ def _suffix_and_prefix(path: Path, name: str | None) -> tuple[str, str]:
         raise ExportError(f"{path.name!r} cannot be used in an #include", hint="take another name")
     if name is None:
         return suffix, identifier(path.stem)
-    # Structured Text does not tell small letters from capitals.
+    # Structured Text ignores case.
     reserved = name in C_RESERVED or (suffix in _STRUCTURED and name.lower() in ST_RESERVED)
     if identifier(name) != name or reserved:
         raise ExportError(
@@ -311,7 +312,7 @@ class _To(NamedTuple):
 
 
 class _Made(NamedTuple):
-    """Files and calls; what was measured on the file itself, if its arithmetic is its own."""
+    """Files and calls; the measured errors of a file with its own arithmetic."""
 
     files: _Texts
     calls: Sequence[str]
@@ -436,12 +437,12 @@ class ExportedController(Files):
 
     @property
     def references(self) -> list[str]:
-        """Set points that it reads."""
+        """Its set points."""
         return self._ports("reference")
 
     @property
     def measured(self) -> list[str]:
-        """Measured values that it reads."""
+        """Its measured values."""
         return self._ports("measured")
 
     @property
@@ -451,7 +452,7 @@ class ExportedController(Files):
 
     @property
     def gains(self) -> list[str]:
-        """Gains that can be set."""
+        """Its settable gains."""
         return list(dict.fromkeys(gain.name for gain in self.program.steps.of_sort("gain")))
 
 
@@ -470,7 +471,7 @@ def export_controller(
     program : ControllerProgram
         The controller.
     path : str or Path
-        Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
+        Its suffix is one of `EXPORTS`; a ``.c`` has its ``.h`` beside it.
     name : str, optional
         Begins every identifier; the name of the file by default.
     fmi : int
@@ -522,7 +523,7 @@ def routines_module(
 def controller_module(
     program: ControllerProgram, module: Module, name: str
 ) -> tuple[str, tuple[str, ...], ControllerProgram]:
-    """Return a module with a class, how it is made and called, and the program as measured."""
+    """Return a module with a class, its constructor and calls, and the measured program."""
     lowered, vectors = controller_program(program.steps), program.tried.vectors
     assert lowered.step is not None
     rows = [

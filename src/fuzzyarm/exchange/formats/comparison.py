@@ -1,6 +1,6 @@
 """Numerical comparison of a rule base with another program, at representative points.
 
-:func:`compare` takes the results of another library; :func:`measure` reads a written text back,
+:func:`compare` works on the results of another library; :func:`measure` reads a written text back,
 with the meaning of its target program.
 """
 
@@ -87,7 +87,7 @@ def compare(
     rulebase : RuleBase
         Our rule base.
     results : sequence of (mapping, mapping or None)
-        Points, and the outputs of the library's object there; None where it raised.
+        Points, and the outputs of the library's object there; None after an exception.
     library : str
         Name of the library, for messages.
     lossy, strict : bool
@@ -119,7 +119,7 @@ def compare(
 def _our_numbers(
     rulebase: RuleBase, points: Sequence[Mapping[str, float]]
 ) -> dict[str, list[float]]:
-    """Return our outputs at points, NaN where there is no value."""
+    """Return our outputs at points, NaN without a value."""
     import numpy as np
 
     from fuzzyarm.inference import infer

@@ -3,7 +3,7 @@
 The names of a shape, norm or hedge are in its own record (`names` of
 :class:`fuzzyarm.symbolic.records.Kind`); a dialect has the key of these names, and
 :func:`spellings` and :func:`words` look them up. Several words are separated by commas, and the
-first is written: to read one more, add it behind.
+first is written: to read one more, append it.
 """
 
 from __future__ import annotations
@@ -103,18 +103,18 @@ class Dialect:
     methods_of_others : dict of str
         Other programs' words for defuzzifiers → the words for them here.
     samplings : dict of str
-        Methods with a sampling of their own.
+        Methods with their own sampling.
     silent : str
-        Value of an output where no rule fires, by default: ``nan``, the ``middle`` of its range,
+        Default value of an output for no rule: ``nan``, the ``middle`` of its range,
         the ``maximum`` of nothing, or that in spite of the file (``nothing``).
     has_ties : bool
         Whether rounding decides between equally high samples.
     holds : bool
-        Whether the file can hold the value of an output where no rule fires.
+        Whether the file can hold the value of an output for no rule.
     defaults : bool
-        Whether the file can give another value there.
+        Whether the file can state another value.
     instead_of_error : str
-        Message about an output that is an error there.
+        Message about an output with an error for no rule.
     resolutions : bool
         Whether the file can have any number of samples.
     says_inference : bool
@@ -196,7 +196,7 @@ class Dialect:
         return self.defuzzifiers or self.kinds
 
 
-# docs/reference/formats.md has these records as a table, with the releases that were measured.
+# docs/reference/formats.md has these records as a table, with the measured releases.
 FLL = Dialect(
     suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
     samples=(1000, "midpoints"),  # fuzzylite 7 and 8; version 6: 100, always written

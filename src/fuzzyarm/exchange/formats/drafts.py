@@ -184,10 +184,10 @@ def note_rounding(text: str, findings: Findings) -> None:
 
 @dataclass(slots=True)
 class VariableDraft:
-    """A variable in the making.
+    """A variable under construction.
 
     The range is infinite until the file sets it; `enabled` is False where the file disables the
-    variable, `aggregates` where it names no norm for its terms.
+    variable, `aggregates` if it names no norm for its terms.
     """
 
     word: TextPiece

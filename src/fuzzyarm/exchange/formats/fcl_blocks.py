@@ -63,7 +63,7 @@ class FunctionBlock(SystemReader):
         """Report an ineffective default (a hook of the dialects)."""
 
     def accumulation(self, draft: VariableDraft, word: TextPiece) -> None:
-        """Take the ACCU of an output."""
+        """Read the ACCU of an output."""
         norm = self.snorm(word, "the accumulation")
         if norm is not None:
             self.accumulations[draft.name] = norm
@@ -78,7 +78,7 @@ class FunctionBlock(SystemReader):
         return text.named
 
     def _norms(self, text: BlockText) -> dict[str, str]:
-        """Return the norms that a block names, by AND, OR, ACT and ACCU."""
+        """Return the norms of a block, by AND, OR, ACT and ACCU."""
         norms: dict[str, str] = {}
         for key, word in text.norms:
             reader = self.tnorm if key in ("AND", "ACT") else self.snorm
@@ -196,7 +196,7 @@ class FunctionBlock(SystemReader):
 
 
 def _settle_edges(draft: VariableDraft, findings: Findings) -> None:
-    """Move vertical edges by one ulp where the two samples would disagree."""
+    """Move vertical edges by one ulp if the two samples disagree."""
     count = draft.defuzzifier.resolution
     if count is None:
         return

@@ -177,7 +177,7 @@ class _Reader:
             raise FaultError(message, cursor.word)
 
     def _between_blocks(self) -> None:
-        """Skip the text behind a function block, up to the next one."""
+        """Skip the text between two function blocks."""
         first = self.cursor.word
         if self.cursor.ended or self.cursor.key() == "FUNCTION_BLOCK":
             return

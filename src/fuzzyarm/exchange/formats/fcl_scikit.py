@@ -79,14 +79,14 @@ class ScikitBlock(FunctionBlock):
         self._hedged_terms: dict[tuple[str, str, tuple[Hedge, ...]], str] = {}
 
     def step(self, draft: VariableDraft, word: TextPiece, value: float) -> None:
-        """Take the step between the points of a universe."""
+        """Read the step between the points of a universe."""
         if 0.0 < value < math.inf:
             draft.step = value
         else:
             self.findings.error("bad-range", "the step of a range must be positive", word)
 
     def note_default(self, draft: VariableDraft, word: TextPiece) -> None:
-        """Report that scikit-fuzzy has no value where no rule fires."""
+        """Report that scikit-fuzzy has no value if no rule fires."""
         message = f"the DEFAULT of '{draft.name}' is left out: no rule is an error to scikit-fuzzy"
         self.findings.info("dropped-options", message, word)
 

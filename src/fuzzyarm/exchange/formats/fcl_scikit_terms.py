@@ -11,7 +11,7 @@ from fuzzyarm.language.model.rulebase import Hedge, Shape
 from fuzzyarm.language.model.shapes import apply_hedge, apply_hedges
 from fuzzyarm.symbolic.kinds import HEDGES
 
-# --- Shapes whose numbers have a meaning of their own ---
+# --- Shapes with a different meaning of their numbers ---
 
 _ORDERED = {
     "TRIANGULAR": "triangle", "TRIANGLE": "triangle", "TRIAN": "triangle",

@@ -48,7 +48,7 @@ def fcl_words(text: str, findings: Findings) -> list[TextPiece]:
     line, line_start, position = 1, 0, 0
     while position < len(text):
         match = _TOKEN.match(text, position)
-        if match is None:  # cannot be: the last alternative takes any character
+        if match is None:  # impossible: the last alternative matches any character
             break
         kind, piece = match.lastgroup, match.group()
         column = position - line_start + 1
@@ -173,7 +173,7 @@ class WordCursor:
         self.skip(":", ":=", "=")
 
     def to_next_statement(self) -> None:
-        """Advance behind the next semicolon, or to the next statement."""
+        """Advance past the next semicolon, or to the next statement."""
         while not self.ended:
             if self.key() in KEYWORDS and self.key() not in ("AND", "OR"):
                 return

@@ -161,7 +161,7 @@ class _Writer(SystemWriter):
         return word
 
     def _plain_weighted(self, output: Output) -> str:
-        """Return jFuzzyLogic's method that takes the terms as they are."""
+        """Return jFuzzyLogic's method for the terms without integration."""
         kinds = {term.shape.kind for term in output.terms}
         record = output.defuzzifier.record
         if record.figure != "average" or record.inverts:

@@ -180,7 +180,7 @@ class Findings:
     path : str
         The file, as named by the caller.
     lossy : bool
-        Make a loss that changes numbers a warning rather than an error.
+        Make a loss that changes numbers a warning instead of an error.
     strict : bool
         Make a slight loss an error too.
     """
@@ -286,7 +286,7 @@ class Findings:
         self._add(name, message, word, Severity.ERROR, hint, replacement)
 
     def ignored_key(self, word: TextPiece, choices: Sequence[str]) -> None:
-        """Record an ineffective key: an error where one of `choices` may be meant."""
+        """Record an ineffective key: an error if one of `choices` may be meant."""
         hint, _ = near_hint(word.text.lower(), [choice.lower() for choice in choices])
         if hint:
             self.unknown("unknown-key", "the key", word, choices)

@@ -214,7 +214,7 @@ class _Reader(SystemReader):
     def _norm_of(
         self, key: str, norm: Callable[[TextPiece, str], str | None], usual: str
     ) -> str | None:
-        """Return the norm of a setting; None where the file names none."""
+        """Return the norm of a setting; None if the file names none."""
         word = self.settings.get(key)
         if word is None or not word.text.strip():
             return None
@@ -240,7 +240,7 @@ class _Reader(SystemReader):
         super().finish_output(draft, name)
 
     def _reduce_output(self, draft: VariableDraft) -> None:
-        """Set the type reduction of an output, over 101 samples where it has sets."""
+        """Set the type reduction of an output, over 101 samples if it has sets."""
         is_sugeno = self.text_of("type").lower().startswith("sug")
         is_weighted = is_sugeno or self.text_of("defuzzmethod").lower() in self.dialect.weighted
         keys = ("typeredmethod", "typereductionmethod")

@@ -192,7 +192,7 @@ def read_shape(
     if name == "function":
         text = rest.text.strip().removeprefix("[").removesuffix("]")
         return formula_shape(TextPiece(text, rest.span), FIS["fuzzylite"].formula, findings)
-    # In place of a missing FIS word fuzzylite writes the class of the term.
+    # For a shape without a FIS word fuzzylite writes the class of the term.
     spellings = all_spellings(SHAPES, *ALL_NAMES, "fll")
     spelling = spellings.get(name) or spellings.get(kind.text)
     if spelling is None:

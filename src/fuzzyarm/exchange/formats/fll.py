@@ -269,7 +269,7 @@ class _Reader(SystemReader):
         self.findings.loss("default-with-hold", message, at, hint, slight=True)
 
     def _defuzzifier(self, draft: VariableDraft, line: _SettingLine) -> None:
-        """Take method and resolution, or method and inference of values."""
+        """Read method and resolution, or method and inference of values."""
         words = line.words()
         if not words or words[0].text == "none":
             draft.method = TextPiece("", line.key.span)

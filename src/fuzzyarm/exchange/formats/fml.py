@@ -206,7 +206,7 @@ class _Reader(SystemReader):
         self.root = root
         self.elements: dict[str, _Element] = {}  # of outputs, by their names
         self.complements: set[tuple[str, str]] = set()  # variables and terms
-        self.refused: set[str] = set()  # tags that are not supported, names of such variables
+        self.refused: set[str] = set()  # unsupported tags, names of such variables
 
     def read(self) -> RuleBase:
         if self.root.tag.text != "fuzzySystem":
@@ -612,7 +612,7 @@ class _Reader(SystemReader):
 
 
 def _parts(term: _Element) -> list[str]:
-    """Return the names of the terms that a term is composed of."""
+    """Return the names of the component terms of a term."""
     names: list[str] = []
     waiting = list(term.all(_CIRCULAR))
     while waiting:

@@ -114,7 +114,7 @@ def blocks_in_model(
 
 
 def _concluded(blocks: list[BlockDraft]) -> frozenset[str]:
-    """Return the outputs that the rules of the blocks conclude."""
+    """Return the outputs concluded by the rules of the blocks."""
     texts = [text for block in blocks for text in block.rules]
     return frozenset(conclusion.variable for text in texts for conclusion in text.conclusions)
 
@@ -262,7 +262,7 @@ class _Activations:
             if kind in connectives and norm is None:
                 message = f"the rule says '{key}' but its block names no norm for it"
                 self.findings.error("missing-norm", message, text.span, self._norm_hint(key))
-        if self.findings.failed:  # maybe a norm that is misspelt
+        if self.findings.failed:  # maybe a misspelt norm
             return
         for name in [conclusion.variable for conclusion in text.conclusions]:
             draft = self.variables.get(name)

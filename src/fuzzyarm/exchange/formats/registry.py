@@ -95,9 +95,9 @@ def parse(
     block : str, optional
         The function block of an FCL file with several.
     lossy : bool
-        Make a loss that changes numbers a warning rather than an error.
+        Make a loss that changes numbers a warning instead of an error.
     strict : bool
-        Make a slight loss, such as another sampling, an error rather than a warning.
+        Make a slight loss, such as another sampling, an error instead of a warning.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def write(
         with the least loss: of a ``.fis`` MATLAB, unless another has the sampling of the
         outputs or a feature that MATLAB lacks.
     lossy : bool
-        Write even where that program would give other numbers.
+        Write even if that program would compute other numbers.
     strict : bool
         Refuse slight losses too, such as another sampling.
 

@@ -354,7 +354,7 @@ def _over(numerator: float, slope: float) -> float:
 def word_and_numbers(shape: Shape, key: str) -> tuple[str, tuple[float, ...]] | None:
     """Return a program's word for a shape, and its numbers in that program's order.
 
-    `key` selects the names in the records; None where the program has no such shape.
+    `key` selects the names in the records; None if the program lacks the shape.
     """
     variants = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
     if not variants:
@@ -388,7 +388,7 @@ _STEPS = frozenset({"ramp", "s", "arc", "concave"})
 
 
 def fuzzylite_shape(shape: Shape) -> Shape:
-    """Return a shape for which fuzzylite gives the model's value everywhere.
+    """Return a shape with the model's values everywhere in fuzzylite.
 
     A step (a ramp from a number to itself) is its ``Binary``; at a doubled x of points fuzzylite
     takes the last value, the model the larger one.
@@ -408,7 +408,7 @@ def fuzzylite_shape(shape: Shape) -> Shape:
 
 
 def larger_wins(parameters: tuple[float, ...], ties: str) -> tuple[float, ...]:
-    """Move points so that a program gives the larger of two values at one x, like the model.
+    """Move points so that a program uses the larger of two values at one x, like the model.
 
     `ties` is the program's choice of the two, ``first`` or ``last``.
     """

@@ -222,7 +222,7 @@ class SystemReader:
             draft.put(draft.terms.index(earlier), term)
 
     def default(self, draft: VariableDraft, word: TextPiece) -> None:
-        """Set the value of an output where no rule fires; a held value stays."""
+        """Set the value of an output for no rule; a held value stays."""
         value = number(word.text)
         if value is None:
             self.findings.error("not-a-number", f"'{word.text[:40]}' is not a number", word)
@@ -316,7 +316,7 @@ class SystemReader:
         return other
 
     def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
-        """Report where a method of the program differs from the model's."""
+        """Report a difference between a method of the program and the model's."""
         if self.dialect.has_ties and draft.defuzzifier.record.of == "top":
             self.note_ties(draft, at)
 
@@ -349,7 +349,7 @@ class SystemReader:
         draft.defuzzifier = Defuzzifier(method)
 
     def _refuse_sets(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
-        """Report sets where a method needs values; fuzzylite continues with them."""
+        """Report sets in a method for values; fuzzylite continues with them."""
         if self.dialect.activates:
             message = (
                 f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "

@@ -304,7 +304,7 @@ class SystemWriter:
             self.findings.loss("value-as-set", message)
 
     def _warn_of_error(self, output: Output) -> None:
-        """Report an output with an error where no rule fires."""
+        """Report an output with an error for no rule."""
         if output.no_rule == "error":
             instead = self.dialect.instead_of_error or "the file cannot say so"
             message = f"'{output.name}' is an error where no rule fires; {instead}"
@@ -357,7 +357,7 @@ def best(attempts: list[Exported]) -> Exported:
 def likeliest(attempts: list[Exported]) -> Exported:
     """Return the first attempt, or the best one if it changes fewer numbers inside ranges.
 
-    The first program is the one that a reader assumes for a file without other evidence.
+    The first program is the reader's assumption for a file without other evidence.
     """
     edges = ("threshold", "outside-range", "no-rule")
     first, other = attempts[0], best(attempts)

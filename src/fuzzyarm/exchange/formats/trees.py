@@ -199,7 +199,7 @@ class _Shared:
     """A variable of the joint rule base: an input or output of a part, and the inputs it feeds."""
 
     variable: Input | Output
-    key: str  # the part it comes from
+    key: str  # its part
     name: str = ""
     terms: list[Term] = field(default_factory=list)
     renamed: dict[tuple[str, str, str], str] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Names that a format allows, and rules as FLL and FCL write them.
+"""Names permitted by a format, and rules as sentences of FLL and FCL.
 
 :func:`written_sentences` writes the rules of a block; :func:`as_sentences` is the inverse of
 :mod:`fuzzyarm.exchange.formats.meaning` for hedges.
@@ -43,7 +43,7 @@ FUZZYLITE_WORDS = frozenset(
 )
 """Reserved words of fuzzylite's rule parser."""
 
-# --- Names that a format allows ---
+# --- Names permitted by a format ---
 
 
 @dataclass(slots=True)
@@ -64,7 +64,7 @@ class WrittenNames:
 
 def identifier(name: str, reserved: frozenset[str], *, ignore_case: bool) -> str:
     """Return a name as an identifier that is not reserved."""
-    # \w includes fractions and superscripts, which no reader takes for letters.
+    # \w includes fractions and superscripts, which no reader accepts as letters.
     plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
     word = re.sub(r"\W+", "_", plain).strip("_") or "_"
     if name.isidentifier() and re.fullmatch(r"\w+", name):
@@ -117,7 +117,7 @@ class Sentence:
 
 
 def plain_sentence(rule: Rule) -> Sentence:
-    """Return a rule as it is, for programs without hedges before conclusions."""
+    """Return a rule unchanged, for programs without hedges before conclusions."""
     conclusions = tuple((consequent, ()) for consequent in rule.consequents)
     return Sentence(rule.antecedent, conclusions, rule.weight, rule)
 

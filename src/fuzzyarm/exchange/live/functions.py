@@ -1,4 +1,4 @@
-"""Terms that libraries keep as functions: shapes, inputs and averaged outputs made of them."""
+"""Terms stored as functions by libraries: their shapes, inputs and averaged outputs."""
 
 from __future__ import annotations
 

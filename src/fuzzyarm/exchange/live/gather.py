@@ -1,4 +1,4 @@
-"""Run a script in its own process and gather the fuzzy systems that it makes.
+"""Run a script in its own process and gather its fuzzy systems.
 
 This file is run by its path (see :mod:`fuzzyarm.exchange.live.systems`), perhaps by a Python
 without fuzzyarm: the script's libraries may conflict with ours. Until the script has ended, only
@@ -56,7 +56,7 @@ class _Made(NamedTuple):
 
 
 _made: list[_Made] = []
-_complete: set[int] = set()  # systems that were evaluated, or need no evaluation
+_complete: set[int] = set()  # systems evaluated, or without need of evaluation
 
 
 def watch_imports() -> None:

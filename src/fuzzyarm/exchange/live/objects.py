@@ -165,7 +165,7 @@ _SECONDS = 15.0
 def measured(
     system: object, rulebase: RuleBase, deadline: float = math.inf
 ) -> list[tuple[dict[str, float], dict[str, float] | None]]:
-    """Return points with the outputs of a live object, None where it raises."""
+    """Return points with the outputs of a live object, None after an exception."""
     if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
         return []
     library = library_of(system)

@@ -209,7 +209,7 @@ class _Reader:
 
     @property
     def _has_values(self) -> bool:
-        """Whether the conclusions are values rather than sets."""
+        """Whether the conclusions are values, not sets."""
         return self.kind in ("IT2TSK", "T1TSK")
 
     def rulebase(self, name: str) -> RuleBase | None:
@@ -335,7 +335,7 @@ class _Reader:
         return not order.strange
 
     def _note_silence(self) -> None:
-        """Report that pyit2fls has no value by centres where one of several rules does not fire."""
+        """Report that pyit2fls has no value by centres if one of several rules does not fire."""
         if self.kind == "T1Mamdani" and self._by_centres:
             message = (
                 "pyit2fls has no value by centres (CoA) where a single rule does not fire; here "

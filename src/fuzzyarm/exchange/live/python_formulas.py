@@ -163,7 +163,7 @@ def _compare(
 
 
 def _plain(number: float) -> float:
-    """Return the number of twelve digits that a number approximates."""
+    """Return the number of twelve digits approximated by a number."""
     return float(f"{number:.12g}")
 
 

@@ -1,6 +1,6 @@
 """simpful: from a ``FuzzySystem`` to a rule base.
 
-Mamdani systems are summed over 1000 points, both ends included, and give 0 where nothing fires.
+Mamdani systems are summed over 1000 points, both ends included, and are 0 if no rule fires.
 Sugeno systems divide the sum of strength × value × weight by the sum of the strengths, so a weight
 is a factor on the value. Objects are recognised by their attributes; simpful itself is not
 imported.

@@ -79,7 +79,7 @@ def from_skfuzzy(
     lossy: bool = False,
     strict: bool = False,
 ) -> Imported:
-    """Return the rule base that a control system of scikit-fuzzy is.
+    """Return the rule base of a control system of scikit-fuzzy.
 
     Parameters
     ----------
@@ -88,18 +88,17 @@ def from_skfuzzy(
     name : str
         Name of the rule base.
     points : bool
-        Whether terms stay the straight lines between the points of their universe, rather than
-        the triangle, gaussian and so on that has the same degrees at all of them.
+        Whether terms stay straight lines between the points of their universe, instead of the
+        triangle, gaussian and so on with the same degrees there.
     lossy : bool
-        Whether a loss that changes numbers is a warning rather than an error.
+        Whether a loss that changes numbers is a warning instead of an error.
     strict : bool
-        Whether a slight loss is an error rather than a warning.
+        Whether a slight loss is an error instead of a warning.
 
     Returns
     -------
     Imported
-        The rule base where there is no error, and every finding (without positions: there is
-        no text).
+        The rule base if there is no error, and every finding (without positions: there is no text).
     """
     findings = Findings(lossy=lossy, strict=strict)
     clips = getattr(system, "clip_to_bounds", True)
@@ -220,7 +219,7 @@ def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ..
         zip(degrees, even_family(shapes_read, xs[0], xs[-1], xs) or shapes_read, strict=True)
     )
     curved = [label for label, shape in shapes.items() if not is_joined(shape, xs)]
-    # An output is joined by its defuzzifier, which takes no notice of a shape between the points.
+    # An output is joined by its defuzzifier, which ignores a shape between the points.
     anyway = _is_output(variable) and _are_even(xs)
     lines = curved if points else [
         label for label in curved if not anyway and beside_lines(shapes[label], xs) > NEAR_LINES
@@ -391,12 +390,12 @@ def to_skfuzzy(
         Even points of every universe; the corners of straight terms are added to them. An
         output with joined samples has these.
     lossy : bool
-        Whether to go on where scikit-fuzzy gives other numbers.
+        Whether to continue if scikit-fuzzy computes other numbers.
 
     Returns
     -------
     skfuzzy.control.ControlSystem or None
-        None where a diagnostic is an error.
+        None if a diagnostic is an error.
     tuple of Diagnostic
         What scikit-fuzzy cannot express.
     """
@@ -508,7 +507,7 @@ def _universe(variable: Input | Output, samples: int) -> Any:
 
 
 def _corners(shape: Shape) -> list[float]:
-    """Return the x where a function bends; on both sides of an edge where it jumps."""
+    """Return the bends of a function, and both sides of its jumps."""
     corners_of = SHAPES[shape.kind].corners
     corners = corners_of(*shape.parameters) if corners_of is not None else ()
     xs = [x for x, _ in corners]

@@ -1,6 +1,6 @@
 """Live systems of other fuzzy libraries: their rule bases, compared with the originals.
 
-:func:`from_live` takes an object, :func:`read_script` a script that makes some. The library's own
+:func:`from_live` converts an object, :func:`read_script` those of a script. The library's own
 object and the rule base are evaluated at a hundred points.
 """
 
@@ -70,7 +70,7 @@ def from_live(
     TypeError
         If the object is none of these.
     RuleBaseError
-        If it cannot be converted; `diagnostics` says why.
+        If it cannot be converted; `diagnostics` have the reasons.
     """
     library = library_of(system)
     name = name or (library.module if library else "")

@@ -50,7 +50,7 @@ class Cost:
         As in ``rms + 0.002*variation``. A metric is the mean over the tracked outputs; that of one
         axis is ``'joint1.rms'``.
     metrics : tuple of str
-        The names that the formula may use.
+        The names permitted in the formula.
 
     Raises
     ------
@@ -99,7 +99,7 @@ class Cost:
 def values_of(run: Run) -> dict[str, float]:
     """Return the metrics of a run by name: means over the tracked outputs, and those of each axis.
 
-    A step that is never reached or does not settle counts with the duration of the run. Metrics of
+    A step without a rise or settling time has the duration of the run instead. Metrics of
     steps are omitted if the reference is not a step.
     """
     numbers_by_name: dict[str, list[float]] = {}
@@ -131,7 +131,7 @@ def brief_values_of(judged: Judged) -> dict[str, float]:
 
 
 def lost(diverged: float | None, duration: float) -> float:
-    """Return the cost of a run that has diverged: more, the earlier it did."""
+    """Return the cost of a diverged run: the earlier, the higher."""
     share = (diverged or 0.0) / duration if duration > 0.0 else 0.0
     return LOST * (2.0 - min(share, 1.0))
 
@@ -140,7 +140,7 @@ def lost(diverged: float | None, duration: float) -> float:
 
 
 def errors_of(rulebase: RuleBase, samples: Samples) -> dict[str, float]:
-    """Return the errors of a rule base on samples, by name; infinite where no rule fires."""
+    """Return the errors of a rule base on samples, by name; infinite if no rule fires."""
     inputs = dict(zip(samples.names, samples.inputs.T, strict=True))
     try:
         values = infer(rulebase, inputs)[samples.target]

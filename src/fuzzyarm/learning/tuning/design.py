@@ -87,7 +87,7 @@ class MovingNumber:
         return (self._steps(within) - first) / (last - first)
 
     def rounded(self, value: float, digits: int) -> float:
-        """Return a number of so many digits near another one, within the range."""
+        """Return a nearby number of so many digits, within the range."""
         near = significant(value, digits)
         if self.low <= near <= self.high:
             return near
@@ -300,7 +300,7 @@ WIDE = 5.0
 
 
 def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
-    """Return first ranges for the positive gains that have none."""
+    """Return initial ranges for the positive gains without one."""
     ranges = {}
     for gain in model.gains:
         values = [value.value(math.pi) for value in gain.values]
@@ -337,7 +337,7 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
 def _gains(
     model: ControllerModel, blocks: Mapping[str, Tuning], *, with_file_ranges: bool
 ) -> Iterator[_ParameterGroup]:
-    """Yield the gains that may move."""
+    """Yield the movable gains."""
     ranges = gain_ranges(model, blocks.values(), with_file_ranges=with_file_ranges)
     for gain in model.gains:
         if gain.name in ranges:

@@ -292,7 +292,7 @@ class ExaminerPool:
     workers : int, optional
         Candidates examined at a time; by default one for each processor.
     executor : Executor, optional
-        An executor of :mod:`concurrent.futures` that does the work in place of this process.
+        An executor of :mod:`concurrent.futures` in place of this process.
 
     Notes
     -----
@@ -313,7 +313,7 @@ class ExaminerPool:
 
     def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
         """Examine points in order; a failing one gets a score with the reason, others continue."""
-        # A single point would keep one process busy: that may be this one.
+        # A single point would occupy one process: this one will do.
         alone = self.workers == 1 or (len(points) == 1 and not self._in_threads)
         if alone and self.executor is None:
             return [self.examiner.tried(point, digits) for point in points]
@@ -363,7 +363,7 @@ class ExaminerPool:
                 future.cancel()
 
     def close(self) -> None:
-        """End threads or processes of its own."""
+        """End its own threads or processes."""
         self._threads.close()
         self._elsewhere.close()
 

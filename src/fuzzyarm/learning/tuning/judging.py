@@ -71,7 +71,7 @@ class TuningJob(NamedTuple):
 
 
 class Means(NamedTuple):
-    """How to search, and the callbacks.
+    """Means of a search, and the callbacks.
 
     `take` gets the result before its judgement; `tell` is called in each step after the search.
     """

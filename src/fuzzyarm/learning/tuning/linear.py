@@ -1,4 +1,4 @@
-"""The opponent of every tuned rule base: straight lines in place of rules, tuned on the same cost.
+"""The linear opponent of every tuned rule base: planes in place of rules, tuned on the same cost.
 
 It is the controller with each rule base replaced by the nearest plane, clipped to the range of its
 output; without rules, the linear controller named by the plant. For samples it is linear
@@ -64,7 +64,7 @@ SPAN = 50.0
 def opponent(
     text: ControllerText, plant: Plant, tuning: Tuning | None = None
 ) -> tuple[ControllerText, Tuning]:
-    """Return the linear controller that a fuzzy one has to beat, and its ``tune`` lines."""
+    """Return the linear controller to beat, and its ``tune`` lines."""
     try:
         return straightened(text, tuning)
     except TuneError:
@@ -170,10 +170,10 @@ class _Planes:
     def _peaks(self, sheet: str) -> tuple[PeakTuning, ...]:
         return self.blocks[sheet].peaks if sheet in self.blocks else ()
 
-    # --- Gains of its own ---
+    # --- Its own gains ---
 
     def _named(self, name: str) -> str:
-        """Return the name of something; where axes have lines of their own, each has another."""
+        """Return a name; distinct for axes with separate lines."""
         return name if len(self.model.axes) == 1 else f"{name} on {', '.join(self.part.names)}"
 
     def _own(self, name: str, value: float, unit: str) -> str:
@@ -229,7 +229,7 @@ class _Planes:
         return tuning.low / max(values), tuning.high / min(values)
 
     def others(self) -> Iterator[GainTuning]:
-        """Yield the ranges of the gains that do more than a slope does."""
+        """Yield the ranges of the gains that act beyond a slope."""
         for name, interval in self.ranges.items():
             if name not in self._spoken_for:
                 yield replace(interval, names=(name,))
@@ -268,7 +268,7 @@ def _multipliers(product: Product) -> set[str]:
 
 
 def _read_by(line: Line) -> Iterator[str]:
-    """Yield every name that a line mentions."""
+    """Yield every name in a line."""
     if isinstance(line, Zoom):
         yield from (*line.signals, str(line.by), str(line.inside))
         return

@@ -1,4 +1,4 @@
-"""How the terms of a variable move together: in order, mirrored, as a partition, by construction.
+"""The joint movement of a variable's terms: in order, mirrored, as a partition, by construction.
 
 A variable is stretched like a rubber ruler. Its knots are the ends of cores; some are fixed (the
 ends of the range, kept terms, with ``mirrored`` the middle), the others slide between them. Points
@@ -150,7 +150,7 @@ class KnotStretch:
         return [min(max(share, NARROWEST), 1.0 - NARROWEST) for share in values]
 
     def positions(self, shares: Sequence[float], gap: float) -> list[float]:
-        """Return where the knots are at some shares."""
+        """Return the positions of the knots at some shares."""
         outside, values = self.end, []
         for at in reversed(range(len(self.knots))):
             low, high = self._way(at, outside, gap)
@@ -179,7 +179,7 @@ class Movement:
     Attributes
     ----------
     names : list of str
-        Names of the numbers: the terms that they move first.
+        Names of the numbers: each by the first term that it moves.
     start : list of float
         The numbers of the file.
 
@@ -275,7 +275,7 @@ class Movement:
         values = {low, high}
         values |= {edge for name in self.fixed_terms for edge in self.cores[name]}
         if self.peaks.mirrored:
-            # A position kept by a term is kept by its mirror image.
+            # A position fixed by a term is fixed by its mirror image.
             values |= {0.5 * self.turn, *(self.turn - nail for nail in values)}
         return frozenset(values)
 
@@ -315,7 +315,7 @@ class Movement:
             for knot, at in zip(part.knots, part.positions(shares_here, self.gap), strict=True):
                 pairs[knot.at] = rounded(at)
                 if self.peaks.mirrored:
-                    # Rounded once: the image is exact where the middle of the range is 0.
+                    # Rounded once: the image is exact if the middle of the range is 0.
                     pairs[self.turn - knot.at] = rounded(self.turn - rounded(at))
         to = _between(pairs)
         return self._with(lambda name: _rounding(to, rounded, pairs))
@@ -373,13 +373,13 @@ class Movement:
         return replace(term, shape=moved(term.shape, to))
 
     def at(self, shares: Sequence[float], digits: int | None = None) -> Variable:
-        """Return the variable at some shares, its numbers rounded to so many digits."""
+        """Return the variable at some shares, with numbers of at most `digits` digits."""
         rounded = rounding(digits, self.variable)
         return self._slid(shares, rounded) if self.sliding else self._shifted(shares, rounded)
 
 
 def _between(pairs: Mapping[float, float]) -> Map:
-    """Return the straight lines through knots: from where they were to where they are."""
+    """Return the piecewise linear map of the knots, from old to new positions."""
     places = sorted(pairs.items())
 
     def to(x: float) -> float:

@@ -26,12 +26,12 @@ Ask = Callable[[Sequence[Vector]], list[float]]
 
 
 class Optimiser(NamedTuple):
-    """A record: a method by its name.
+    """A method by its name.
 
     Attributes
     ----------
     run : callable
-        From `ask`, the first point and a seed; runs until `ask` raises.
+        From `ask`, the first point and a seed; runs until `ask` raises an exception.
     doc : str
         One line.
     source : str

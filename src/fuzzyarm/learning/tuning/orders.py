@@ -95,7 +95,7 @@ def require_sensible(request: TuneRequest) -> None:
 
 
 def longest(request: TuneRequest) -> float:
-    """Return how long the whole may take, s."""
+    """Return the greatest duration of the whole, s."""
     limit = read_time(request.time, "--time") if request.time else math.inf
     if not limit > 0.0:
         raise UsageError(f"--time must be above 0 s, not {request.time}")
@@ -117,7 +117,7 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
 
 
 def stage_of_request(request: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
-    """Return where a controller runs."""
+    """Return the stage of a controller: its plant and references."""
     along = follows(request, plant)
     plant, options = with_drives(request, plant)
     connect, vary = connections(request), tuple(map(read_range, request.vary))
@@ -152,7 +152,7 @@ def samples_of(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
 
 
 def columns_for(path: str, rulebase: RuleBase, target: str | None = None) -> Columns:
-    """Return which columns of a file are the inputs and the output of a rule base.
+    """Return the columns of a file for the inputs and the output of a rule base.
 
     Without a target it is the column named like the only output, or the last one.
     """

@@ -1,4 +1,4 @@
-"""The result of tuning: the plan, the table, the claims that it supports, and its files."""
+"""The result of tuning: the plan, the table, the supported claims, and its files."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Tuned(JsonRecord):
     files : tuple of Rewritten
         The new texts.
     cost : str
-        The cost that was minimised.
+        The minimised cost.
     scenarios, unseen : tuple of str
         Names of the scenarios of the search, and of the judgement.
     linear : Found or None
@@ -177,7 +177,7 @@ class Tuned(JsonRecord):
 
     @property
     def text(self) -> str:
-        """The text of the file that was tuned."""
+        """The text of the tuned file."""
         return self.files[0].new if self.files else ""
 
     def row(self, name: str) -> ComparedRow | None:
@@ -220,7 +220,7 @@ class Tuned(JsonRecord):
         yield from _remarks(self)
 
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
-        """Write the texts; rule bases in files of their own go beside, as ``STEM-NAME.frb``.
+        """Write the texts; rule bases of separate files go beside, as ``STEM-NAME.frb``.
 
         If the tuned file is overwritten, rule bases beside it keep their names. Shipped files are
         never overwritten.
@@ -449,7 +449,7 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
 
 
 def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> dict[str, str]:
-    """Return used files that are beside the old file but not beside the new one."""
+    """Return used files that lie beside the old file but not beside the new one."""
     if origin is None or real_path(origin).parent == real_path(out).parent:
         return {}
     files = {}

@@ -1,7 +1,7 @@
 """Scenarios for tuning and for the judgement: moves, loads, noise, seeds.
 
 Scenarios are drawn from a seed, so that a larger set begins with the same ones. Those of the
-judgement come from another stream of the generator: none was used in tuning.
+judgement come from another stream of the generator: none occurs in tuning.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def plant_scenarios(plant: Plant, payload: float = 1.0) -> tuple[Scenario, ...]:
 
 
 def scenario_along(plant: Plant, trajectory: Trajectory, payload: float = 1.0) -> Scenario:
-    """Return a trajectory of a plant, with its load where it carries one."""
+    """Return a trajectory of a plant, with its load, if any."""
     changes = {"payload": payload} if payload and _is_loaded(plant, trajectory) else {}
     return Scenario(trajectory.name, plant, changes, trajectory)
 
@@ -158,7 +158,7 @@ def train_scenarios(stage: Stage, count: int, controller: Controller) -> tuple[S
 
 
 def unseen_scenarios(stage: Stage, count: int, controller: Controller) -> tuple[Scenario, ...]:
-    """Return `count` scenarios that none of the others is."""
+    """Return `count` scenarios that differ from all others."""
     return _drawn(stage, count, controller, UNSEEN)
 
 
@@ -172,7 +172,7 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
         # A generator for each scenario: the first ones do not depend on their number.
         generator = np.random.default_rng([seed, stream, at])
         changes = {name: float(values[at]) for name, values in varied.items()}
-        # Each run has a seed of its own for its noise; those of the streams never meet.
+        # Each run has its own seed of noise; the streams never coincide.
         changes.setdefault("seed", float(seed + 100_000 * (stream + 1) + at))
         if stage.along:
             scenarios.append(_move(stage.plant, generator, changes, at))
@@ -184,7 +184,7 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
 def _move(
     plant: Plant, generator: np.random.Generator, changes: dict[str, float], at: int
 ) -> Scenario:
-    """Draw a trajectory of a plant, and a load where it carries one."""
+    """Draw a trajectory of a plant, and a load, if it carries one."""
     way = replace(drawn_trajectory(plant, generator), name=f"move {at + 1}")
     name = f"{at + 1}: {way.words}"
     if _is_loaded(plant, way):

@@ -30,7 +30,7 @@ Vector = NDArray[np.float64]
 
 
 class Trial(NamedTuple):
-    """A point that was examined, and its score."""
+    """An examined point and its score."""
 
     point: Vector
     score: Score
@@ -82,7 +82,7 @@ class Found:
     interrupted : bool
         Whether Ctrl-C ended it.
     seconds : float
-        Wall time, of all parts where it was resumed.
+        Wall time, all parts of a resumed search together.
     fault : str
         The exception that ended it early; empty if none did.
     unwritten : str
@@ -232,7 +232,7 @@ class Search:
         return [trial.score.cost for trial in self.result.trials[count:]]
 
     def _examined(self, points: Sequence[Vector]) -> list[Score]:
-        """Examine candidates that keep their expectations; others get the highest cost."""
+        """Examine candidates that meet their expectations; others get the highest cost."""
         design, promises = self.panel.design, self.promises
         broken = [bool(promises and promises.expected(design.at(point))) for point in points]
         sound = [point for point, fails in zip(points, broken, strict=True) if not fails]
@@ -274,7 +274,7 @@ class Journal:
     path : path-like
         Path of a text file.
     question : mapping
-        Everything that the search depends on, as JSON data.
+        Everything on which the search depends, as JSON data.
     resume : bool
         Whether to resume from the content of the file.
 
@@ -359,7 +359,7 @@ class Promises:
     Raises
     ------
     TuneError
-        If a file does not keep its own promises.
+        If a file breaks its own promises.
     """
 
     def __init__(self, rulebases: Mapping[str, RuleBase]) -> None:
@@ -386,7 +386,7 @@ class Promises:
         return outcomes
 
     def expected(self, candidate: Candidate) -> str:
-        """Return which ``expect`` line a candidate breaks; empty where it keeps all of them."""
+        """Return the ``expect`` line that a candidate breaks; empty without one."""
         for rulebase in candidate.rulebases.values():
             broken = self._expected(rulebase)
             if broken:
@@ -404,7 +404,7 @@ class Promises:
         return diagnostics[0].message if diagnostics else ""
 
     def proof(self, candidate: Candidate) -> str:
-        """Return which ``prove`` line a candidate breaks; one that held must be proved again."""
+        """Return the ``prove`` line that a candidate breaks; one that held must be proved again."""
         from fuzzyarm.proof.map import prove_all
 
         for name, rulebase in candidate.rulebases.items():

@@ -76,7 +76,7 @@ class TextChange(NamedTuple):
     Attributes
     ----------
     what : str
-        What it is.
+        Its name.
     old, new : str
         In the file, and as written.
     """
@@ -142,7 +142,7 @@ class Originals(NamedTuple):
     path, text : str
         Of the tuned file; a rule base without a file is written from its model.
     used : dict of str to pair of str
-        Path and text of the rule bases that it uses, by the names that it gives them.
+        Path and text of its rule bases, by their names in it.
     """
 
     path: str
@@ -207,7 +207,7 @@ def _place(file: str, path: str) -> str:
 
 
 def _says(place: str, rulebase: RuleBase) -> bool:
-    """Whether a file has the tuned subject, rather than a model passed in its place."""
+    """Whether a file contains the tuned subject; false for a model passed in its place."""
     parsed = parse(read_text(place), place)
     return parsed.rulebase == rulebase
 
@@ -219,7 +219,7 @@ def _edited(
     moved: tuple[RuleBase, RuleBase] | None,
     notes: Sequence[str],
 ) -> str:
-    """Return a text with other numbers, and notes in front of its heading."""
+    """Return a text with other numbers, and notes before its heading."""
     parsed = parse(text)
     edits: list[Edit] = []
     if model is not None:
@@ -305,7 +305,7 @@ def _spread_edits(
 
 
 def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator[Edit]:
-    """Put notes in front of the heading, in place of earlier ones."""
+    """Put notes before the heading, in place of earlier ones."""
     for number, words in enumerate(split_lines(text), 1):
         if words.startswith(MARK):
             yield Edit(Span(number, 1, number + 1, 1), "")
@@ -321,7 +321,7 @@ def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator
 
 
 def demand_not_used(out: str | Path, subject: ControllerText | RuleBase, path: str) -> None:
-    """Raise SourceFileError where a controller would be written over a file that it uses.
+    """Raise SourceFileError if a controller would overwrite a file that it uses.
 
     Its own file is among those of `path`, and may be written.
     """

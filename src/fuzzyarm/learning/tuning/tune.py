@@ -66,7 +66,7 @@ class TuneKeywords(TypedDict, total=False):
     trajectory : Trajectory or str
         The only trajectory of the plant to tune on.
     cost : str or callable
-        Cost to be minimised: a formula of metrics, as in ``"rms + 0.002*variation"`` (for samples
+        Cost to minimise: a formula of metrics, as in ``"rms + 0.002*variation"`` (for samples
         of ``rmse``, ``mae`` and ``worst``), or a function of all runs (for a rule base alone: of
         the rule base). The RMS error by default.
     data, test : Samples, str or path-like
@@ -337,7 +337,7 @@ def stage_of(
     keywords: TuneKeywords,
     seed: int = 1,
 ) -> Stage:
-    """Return where a controller runs, by the keywords of `tune`."""
+    """Return the stage of a controller, by the keywords of `tune`."""
     options = keywords.get("options") or Options(seed=seed)
     reference, step = keywords.get("reference"), keywords.get("step")
     duration, connect = keywords.get("duration"), keywords.get("connect")
@@ -398,7 +398,7 @@ def _in_loop(
     if plan.unseen:
         unseen = unseen_scenarios(stage, plan.unseen, controller)
         judged["unseen"] = replace(problem, scenarios=unseen)
-        # A stage with noise of its own has been judged with noise already.
+        # A stage with its own noise was already judged with noise.
         if not stage.has_noise:
             noises = tuple((share, stage.noisy(share).options) for share in NOISES)
             judged["noisy"] = replace(problem, scenarios=unseen, options=noises[0][1])
@@ -448,7 +448,7 @@ def _on_samples(
     data = _fitting(data, rulebase)
     if test is None:
         order = np.random.default_rng(seed).permutation(len(data))
-        # Sorted, so that the samples keep the order of the file.
+        # Sorted: samples in the order of the file.
         data, test = (
             data.part(np.sort(order[len(data) // KEPT_BACK :])),
             data.part(np.sort(order[: len(data) // KEPT_BACK])),
@@ -547,7 +547,7 @@ def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) 
         faults=(result.fault,) if result.fault else (),
     )
     tuning = _written(tuning, originals)
-    # Handed over before the judgement, which may take long, fail or be interrupted.
+    # Passed on before the judgement, which may take long, fail or be interrupted.
     means.take(tuning)
     after = with_judgement(job, plan, means, tuning, (design.as_it_is(), candidate))
     # The judgement adds to the comments in the files, so the texts are written again.
