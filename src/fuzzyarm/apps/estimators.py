@@ -1,8 +1,8 @@
-"""Estimators of scikit-learn whose model is a rule base that a person can read.
+"""Estimators of scikit-learn with a legible rule base as model.
 
-``FuzzyRegressor().fit(X, y).rulebase_`` is the model, ``text_`` its file. They are written in
-pipelines, grid searches and cross-validations like every other estimator, and do the same as
-``fuzzyarm fit``.
+``FuzzyRegressor().fit(X, y).rulebase_`` is the model, ``text_`` its file. They work in pipelines,
+grid searches and cross-validations like every other estimator, and compute the same as ``fuzzyarm
+fit``.
 """
 
 from __future__ import annotations
@@ -71,12 +71,12 @@ class _FuzzyModel(BaseEstimator):
             digits=self.digits,
             outside=self.outside,
             seed=0 if self.random_state is None else int(self.random_state),
-            nested=False,  # scikit-learn judges by samples of its own
+            nested=False,  # scikit-learn judges by its own samples
         )
 
     def _learn(self, samples: Samples) -> Fit:
         result = fit(samples, self._options())
-        if result.interrupted:  # a grid search would go on as if nothing had happened
+        if result.interrupted:  # a grid search would continue as if nothing had happened
             raise KeyboardInterrupt
         self.rulebase_ = result.rulebase
         self.text_ = result.text
@@ -84,7 +84,7 @@ class _FuzzyModel(BaseEstimator):
         return result
 
     def _input_names(self, output_names: tuple[str, ...]) -> tuple[str, ...]:
-        """Return names for the inputs; x0, x1 … where the samples have none."""
+        """Return names for the inputs; x0, x1 … for samples without names."""
         names_in = getattr(self, "feature_names_in_", None)
         names = (
             [f"x{k}" for k in range(self.n_features_in_)] if names_in is None else list(names_in)

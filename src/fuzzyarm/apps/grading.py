@@ -94,7 +94,7 @@ class Result:
     verdict : str
         ``passed``, ``failed`` or ``undecided``.
     says : str
-        Why; empty where it passed.
+        The reason; empty for a pass.
     """
 
     verdict: str
@@ -111,11 +111,11 @@ class Grade:
     name : str
         The submission, without its suffix.
     results : tuple of Result
-        One for each demand; empty where the submission cannot be read.
+        One for each demand; empty for an unreadable submission.
     points : int
         The sum over the passed demands.
     fault : str
-        Why it cannot be read; empty where it can.
+        The reason why it is unreadable; empty for a readable one.
     """
 
     name: str
@@ -231,7 +231,7 @@ def _result(text: str, rulebase: RuleBase, line: HiddenLine) -> Result:
         return Result("failed", next(d.message for d in parsed.diagnostics if d.is_error))
     if line.text.startswith("prove"):
         return _proved(rulebase, line.text.removeprefix("prove").strip())
-    # A submission may have expect lines of its own, which do not count: the last one is ours.
+    # A submission may have expect lines, which do not count: the last one is ours.
     narrowed = replace(parsed.rulebase, expectations=parsed.rulebase.expectations[-1:])
     failures = check_expectations(narrowed)
     return Result("failed", failures[0].message) if failures else Result("passed")

@@ -1,7 +1,7 @@
 """Notebooks: the drawings of :mod:`fuzzyarm.apps.show` as HTML, with figures as pictures.
 
 A value finds its drawing here by the name of its class (:class:`fuzzyarm.base.shown.Shown`), so
-that nothing is loaded before it is shown. All text that is anybody's own is escaped.
+that nothing is loaded before its display. All text of users is escaped.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ WIDTH = 100
 """Columns of terminal output."""
 
 MOST_RULES = 500
-"""Beyond which a page shows how many there are in place of the rules."""
+"""Beyond this number a page shows the number of rules instead of the rules."""
 
 # --- Drawings of the terminal as HTML ---
 
@@ -42,7 +42,7 @@ _CELL = "padding:0.15em 0.5em;text-align:right"
 
 
 def html_of_drawing(drawing: RenderableType) -> str:
-    """Return a drawing as HTML: heat grids as tables, everything else as it is in the terminal."""
+    """Return a drawing as HTML: heat grids as tables, everything else as in the terminal."""
     return "".join(_parts(drawing))
 
 
@@ -262,7 +262,7 @@ def html_of(value: object) -> str:
 
 
 def text_of(value: object) -> str:
-    """Return a value as it is drawn in the terminal, without colours."""
+    """Return a value as drawn in the terminal, without colours."""
     return plain_text(_view(value), WIDTH).rstrip("\n")
 
 

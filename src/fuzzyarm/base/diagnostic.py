@@ -65,7 +65,7 @@ class Related(NamedTuple):
 
 
 SHORT = "name severity message hint line column"
-"""Properties in JSON of a finding on a text that is not shown."""
+"""Properties in JSON of a finding on a text not shown."""
 
 
 @json_properties(

@@ -15,7 +15,7 @@ SUFFIXES = (".frb", *FOREIGN)
 """Suffixes of rule bases that can be read and written."""
 
 READABLE = (*SUFFIXES, ".t2fis", ".xml")
-"""Suffixes of all readable rule bases; here so that nobody has to load the readers."""
+"""Suffixes of all readable rule bases; here to avoid an import of the readers."""
 
 TABLES = (".lut", ".csv", ".npz", ".json")
 """Suffixes of lookup tables; here for the same reason."""

@@ -62,7 +62,7 @@ _SPELLED = {
     "ampere": "A", "newton": "N", "watt": "W", "kelvin": "K", "celsius": "°C", "degc": "°C",
     "percent": "%", "hertz": "Hz",
 }  # fmt: skip
-"""Symbols by what people spell out, in small letters and in the singular."""
+"""Symbols by their spelled-out names, in small letters and in the singular."""
 
 
 def dimension(unit: Unit) -> Unit | None:

@@ -588,7 +588,7 @@ class Judgement(NamedTuple):
 
 
 PROOF_SECONDS = 1.0
-"""How long a check may take over one ``prove`` line."""
+"""Time limit of one ``prove`` line in a check, s."""
 
 
 def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Judgement:

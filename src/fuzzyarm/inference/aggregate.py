@@ -85,7 +85,7 @@ def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
 
 
 MOST_PLAIN_SAMPLES = 20_000
-"""Samples of a set that are found one by one; more are found by NumPy, with the same bits."""
+"""Samples of a set computed one by one; more are computed by NumPy, with the same bits."""
 
 
 class SampledSet(NamedTuple):

@@ -30,7 +30,7 @@ AT_CORNERS = 40_000
 """Most points at corners and between them."""
 
 _STARTS = 256
-"""From how many points the search goes on."""
+"""Number of starts of the search."""
 
 _ROUNDS = 60
 

@@ -72,11 +72,9 @@ RANGE = 4
 """Floats of an input: low, high, first bucket, buckets per unit."""
 
 OUTPUT_RANGE = 4
-"""Floats of an output: low, high, value where no rule fires, centre of the moments.
-
-Where the defuzzifier finds the value itself, the last selects the number: of
-:mod:`.positions` one of its names; of :mod:`.type_reduction_kernel` -1 for the left end of a
-centroid, 1 for the right one, 0 for both.
+"""Floats of an output: low, high, value for no rule, centre of the moments. For a defuzzifier that
+computes the value itself, the last selects the number: of :mod:`.positions` one of its names; of
+:mod:`.type_reduction_kernel` -1 for the left end of a centroid, 1 for the right one, 0 for both.
 """
 
 LINE = 3
@@ -86,19 +84,19 @@ LAYER = 7
 """Floats of a layer of the closed form."""
 
 GROUP_HEAD = 2
-"""Whole numbers in front of the rules of a group: how many, where its consequent begins."""
+"""Whole numbers before the rules of a group: number of rules, index of the consequent."""
 
 RULE_HEAD = 2
-"""Whole numbers in front of the operands of a rule: norm, where its weight is."""
+"""Whole numbers before the operands of a rule: norm, index of the weight."""
 
 TRUTH_HEAD = 4
-"""Whole numbers in front of the operands of an expression in parentheses."""
+"""Whole numbers before the operands of an expression in parentheses."""
 
 BY_ITSELF = MIN, PRODUCT, MAX, SUM = range(4)
-"""Norms that the kernel does by itself; any other number is the address of one."""
+"""Norms built into the kernel; any other number is an address."""
 
 ONES = 0
-"""Row of ones; behind it one of zeros."""
+"""Row of ones; the next one is zeros."""
 
 STRENGTH, TOTAL, MOMENT = range(3)
 """Rows from WORK on: strength of a rule, area (or weight), moment about the centre."""
@@ -195,8 +193,8 @@ class PointBlock(NamedTuple):
 
 
 GAP = 24
-"""Floats between two long rows. Rows that began a power of two apart would have the same lines of
-the cache, and a program works in more rows at once than a line has places."""
+"""Floats between two long rows. Rows a power of two apart would compete for the same cache sets,
+and a program works in more rows at once than a set has ways."""
 
 
 def make_block(layout: Layout, points: int) -> PointBlock:

@@ -38,7 +38,7 @@ from fuzzyarm.inference.firing_strengths import join
 from fuzzyarm.symbolic.kernels import kernel
 
 AT_ONCE = 4
-"""Sets of a point that are united and summed up in one pass."""
+"""Sets of a point united and summed in one pass."""
 
 
 @kernel

@@ -19,7 +19,7 @@ PER_SAMPLE = 0.002
 """For each sample of each set of an output."""
 
 JOINED = 5.0
-"""Joined samples take so many times as long: lines between them are cut and crossed."""
+"""Factor of joined samples: lines between them are cut and crossed."""
 
 HALVED = 2.0
 """A bisector goes through its samples twice."""
@@ -35,7 +35,7 @@ PER_SEARCH = 10.0
 alone."""
 
 ENDS_OF_INTERVAL = 4.0
-"""How many quadratures the two ends of a centroid of interval type 2 take."""
+"""Number of quadratures for the two ends of a centroid of interval type 2."""
 
 INTERPRETED = 100.0
 """Factor of an output that machine code does not cover."""

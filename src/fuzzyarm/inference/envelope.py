@@ -23,7 +23,7 @@ RUN_OF_LINE = 6
 STEPS = 200
 """Most steps to an end of the centroid of interval type-2 sets.
 
-Five do, but for a lower set that is all but nothing.
+Five suffice, except for a nearly empty lower set.
 """
 
 

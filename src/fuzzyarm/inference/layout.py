@@ -65,7 +65,7 @@ class _Numbered(NamedTuple):
 
 
 _last_numbered: list[_Numbered] = []
-"""Those of the last few plans, the newest in front."""
+"""Those of the last few plans, the newest first."""
 
 
 def lay_out(
@@ -126,7 +126,7 @@ _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
 """Programs by their content, with the number of heights of each output."""
 
 MOST_KNOWN, MOST_KEPT = 16, 50_000
-"""How many are kept before the cache is cleared; and the largest size of one."""
+"""Number of entries before the cache is cleared, and the largest size of one."""
 
 
 class _Writer:

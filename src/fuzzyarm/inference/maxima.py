@@ -46,7 +46,7 @@ NEAR = 1e-7
 """Positions closer than this share of the range are one, and no plateau."""
 
 LINEAR = frozenset({"min", "product", "bounded", "nilpotent", "drastic"})
-"""Implications that leave lines of a straight set, between where they clip it."""
+"""Implications that leave a straight set straight, between the clipping points."""
 
 CEILINGS = frozenset({"bounded", "normalized", "nilpotent"})
 """Aggregations that bend where sums of strengths reach 1."""

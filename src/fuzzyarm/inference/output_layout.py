@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 MOST_PADDED = 1 << 16
-"""Samples of all sets of an output, up to which those where a set is 0 are written down, too."""
+"""Samples of all sets of an output up to which zeros are stored, too."""
 
 
 class LaidRule(NamedTuple):

@@ -246,7 +246,7 @@ class _Ordered(NamedTuple):
 
 
 _last_ordered: list[_Ordered] = []
-"""Those of the last few rule bases, the newest in front."""
+"""Those of the last few rule bases, the newest first."""
 
 
 def _order_once(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule, ...]]:

@@ -60,12 +60,12 @@ from fuzzyarm.symbolic.kernels import call, kernel
 
 HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID, NEAREST = range(8)
 """The requested position of a set: the last float of the output. A bisector of samples at
-``midpoints`` is the sample nearest to half of the area; a value may be made of several positions
-where a set is greatest; the centroid is that of joined samples; the nearest is that to 0. Those
-by area come first, which comparisons with `NEAREST_HALF` rely on."""
+``midpoints`` is the sample nearest to half of the area; SEVERAL is a value from several positions
+of the maximum; the centroid is that of joined samples; the nearest is that to 0. Those by area come
+first, for comparisons with `NEAREST_HALF`."""
 
 BISECTIONS = 80
-"""Halvings of a curved piece to where it passes a level."""
+"""Halvings in the search for the position of a level on a curved piece."""
 
 # Whole numbers of a set with a level cut, or of a computed value: the row function of the set, the
 # formula or the inverse; its numbers (index, count); pieces of the set (count, index; PIECE floats
@@ -83,8 +83,8 @@ SORT, OWN_AT = 5, 6
 CONSTANT, LINEAR, FORMULA, INVERSE, LEVEL = range(5)
 
 PIECE = 7
-"""Floats of a piece: x and degree at its ends; for a curve where its search begins and ends, and
-whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
+"""Floats of a piece: x and degree at its ends; for a curve the ends of its search, and 1 if it
+rises or -1 if it falls between them; 0 for a straight piece."""
 
 
 # ── a choice among positions with heights ────────────────────────────────────────────

@@ -43,7 +43,7 @@ known: dict[int, Prepared] = {}
 
 at_point: dict[int, Callable[[Any], dict[str, float] | None]] = {}
 """Point kernels of those in `known` that have one: from inputs by name to outputs
-by name; None for points without an ordinary value."""
+by name; None for extraordinary points."""
 
 _turn = lock()
 

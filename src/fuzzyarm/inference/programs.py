@@ -85,7 +85,7 @@ ENDS_OF_PAIRS = DefuzzifierProgram(
 
 CHOICE_OF_ROWS = DefuzzifierProgram("positions.choice_of_values", "rows")
 ENDS_OF_ROWS = DefuzzifierProgram("type_reduction_kernel.ends_of_values", "rows")
-"""For values that somebody else has found: exported programs alone have these two."""
+"""For values computed by the caller: exported programs alone have these two."""
 
 SAMPLES = {
     "gravity": DefuzzifierProgram(

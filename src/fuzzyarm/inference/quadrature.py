@@ -24,7 +24,7 @@ DEEPEST = 52
 """Halvings of a panel; a jump is then narrower than the spacing of floats."""
 
 MOST_PANELS = 20_000
-"""Of one point: no set is worth more; the rest is taken as it is."""
+"""Panels of one point: no set is worth more; the rest is used unrefined."""
 
 SAME_HALF = 1e-12
 """Shares of an area closer to one half than this are one half."""

@@ -32,10 +32,10 @@ CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""
 
 FEW = 512
-"""Up to so many points go through a block of their own: a large one takes longer to come by."""
+"""Up to so many points get a small block of their own: a large one takes longer to make."""
 
 POINTS_PER_PROGRAM = 32
-"""Wanted in a chunk, as a mean, where there are many programs …"""
+"""Desired mean in a chunk, if there are many programs …"""
 
 LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""

@@ -435,4 +435,4 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
 CONTROLLER_WORDS: dict[str, str] = {
     word: doc for record in CONTROLLER_STATEMENTS.values() for word, doc in record.words.items()
 }
-"""The other words of a controller, with one line of help where it is needed."""
+"""The other words of a controller, with one line of help if needed."""

@@ -238,7 +238,7 @@ def _sentences() -> dict[State, tuple[str, str]]:
 # --- Corrected reading ---
 
 _MOST, _ROUNDS, _LONGEST, _FARTHEST = 100, 3, 500, 400
-"""Lines that are tried at a time, how often, their characters, and the lines above them."""
+"""Limits: lines tried at a time, rounds, characters, and lines above them."""
 
 
 def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:

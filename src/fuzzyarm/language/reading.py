@@ -142,7 +142,7 @@ KEPT = 16
 """Number of cached texts."""
 
 LONG = 200_000
-"""Characters from which on a text is not kept."""
+"""Characters above which a text is not cached."""
 
 
 def parse_once(text: str, path: str = "<text>") -> Parsed:

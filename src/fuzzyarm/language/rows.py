@@ -96,7 +96,7 @@ class Lines(Part):
 # --- Rows ---
 
 ROWS: dict[type, StatementRow] = {}
-"""The row of every node that has one."""
+"""The rows of nodes, by node."""
 
 
 class StatementRow:

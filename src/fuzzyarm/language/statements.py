@@ -762,4 +762,4 @@ It is here so that a rule base is read without them.
 STARTERS.update({*STATEMENTS, CONTROLLER.word})
 
 WORDS: dict[str, str] = {word: doc for r in STATEMENTS.values() for word, doc in r.words.items()}
-"""The other words of the statements, with one line of help where it is needed."""
+"""The other words of the statements, with one line of help if needed."""

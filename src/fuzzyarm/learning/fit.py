@@ -68,7 +68,7 @@ STARTS = ("grid", "fcm", "subtractive")
 METHODS = ("sugeno", "wang-mendel")
 
 MOST_SEARCHED = 3000
-"""Samples for the choice of the structure and the numbers of terms; consequents take all."""
+"""Samples for the choice of the structure and the numbers of terms; consequents use all."""
 
 WORSE_AS_TEXT = 0.01
 """Relative loss of accuracy allowed to rounding; beyond it the model gets more digits."""

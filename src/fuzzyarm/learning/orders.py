@@ -16,7 +16,7 @@ from fuzzyarm.learning.wang_mendel import FEWEST_WORDS, MOST_WORDS
 from fuzzyarm.requests.learn import FitRequest
 
 OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
-"""Suffixes of files that are sampled rather than read as samples."""
+"""Suffixes of files to sample, not samples."""
 
 _MAYBE = {"yes": True, "no": False, "auto": None}
 

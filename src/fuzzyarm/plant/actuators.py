@@ -93,7 +93,7 @@ def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
 LATE, PART, LATE_RING, ARRIVING, TURN = range(5)
 ACTUATOR = 5
 """Of an actuator: its dead time in whole periods, the rest, s, the index of its ring, the value
-that arrives in this period; and, of the row's place, the drive whose value arrives next."""
+that arrives in this period; and, for the row, the drive whose value arrives next."""
 
 
 @kernel

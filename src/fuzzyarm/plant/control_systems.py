@@ -27,7 +27,7 @@ from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.symbolic.kernels import with_names
 
 RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
-"""Outputs that are rates of others, by their usual names."""
+"""Outputs that are rates of other outputs, by their usual names."""
 
 
 # --- From python-control ---

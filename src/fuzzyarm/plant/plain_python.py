@@ -139,7 +139,7 @@ def _differ(one: str, other: str) -> bool:
 
 
 _MEASURING = {"measurement", "measurements", "observe", "output"}
-"""Methods of this name are what other programs call `measure`."""
+"""Methods of other programs with the meaning of `measure`."""
 
 
 def _require_no_slip(plant: Plant) -> None:

@@ -49,7 +49,7 @@ class Timing(NamedTuple):
 
 
 STUDY_TIMING = Timing()
-"""Default for laws, which have no timing of their own."""
+"""Default for laws, which have no timing."""
 
 Precision = Literal["float32", "float64"]
 

@@ -24,4 +24,4 @@ MOST_FITTED_DIGITS = 12
 """Digits of numbers written by fitting."""
 
 MOST_RULES = 1000
-"""Rules of a fitted model: nobody reads more."""
+"""Rules of a fitted model: more are illegible."""

@@ -792,4 +792,4 @@ CHOICE = SourceKind(
     options={"otherwise": OptionKind("chosen", "the other one", needed=True, alike=True)},
     conditional=lambda x, otherwise, chosen: op.where(chosen, x, otherwise),
 )
-"""``A where CONDITION else B``: the one source that is not begun by its word."""
+"""``A where CONDITION else B``: the one source that does not begin with its word."""

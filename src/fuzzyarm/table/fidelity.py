@@ -290,13 +290,13 @@ _FIRST_PROBES = 64
 """Number of first probes: they refute most grids."""
 
 _WINDOWS = 96
-"""Intervals along each input searched for bends; fewer where a point takes long."""
+"""Intervals along each input searched for bends; fewer if a point takes long."""
 
 _LINES, _MARKS, _HALVINGS = 24, 33, 60
 """Lines along each input on which jumps are looked for, marks on each, halvings between two."""
 
 _SEARCH_SECONDS = 60.0
-"""Approximate time for trying grids, s; where a point takes long, fewer are tried."""
+"""Approximate time for trying grids, s; fewer are tried if a point takes long."""
 
 
 def smallest_even_grid(

@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 
 
 LATEX = ".tex"
-"""A table to be printed: it is written and not read."""
+"""A table for print: written, never read."""
 
 
 class TableFileError(RuleBaseError):

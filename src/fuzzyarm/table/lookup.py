@@ -162,7 +162,7 @@ def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
 # blending, or for the last cell index along each input), and the cell of each input.
 
 GRID_HEAD = 2
-"""Numbers in front of the first input."""
+"""Numbers before the first input."""
 
 VALUES, SCRATCH, INPUTS = range(3)
 
@@ -490,7 +490,7 @@ def worthwhile(points: int) -> bool:
 
 
 Evaluate = Callable[[Sequence[_Array], _Array], bool]
-"""Fills the last argument with values at columns of inputs; false where one is NaN."""
+"""Fills the last argument with values at columns of inputs; false if one is NaN."""
 
 
 def picker(

@@ -44,7 +44,7 @@ class BuilderArgumentError(FuzzyarmError, TypeError):
 class LanguageLines:
     """The language lines of one call.
 
-    Every part of them knows its argument, so that a finding can name it.
+    Every part is linked to its argument, so that a finding can name it.
     """
 
     def __init__(self, call: str) -> None:
@@ -201,7 +201,7 @@ _SETTINGS = {
 
 
 def write_settings(lines: LanguageLines, settings: Mapping[str, object]) -> None:
-    """Write the given settings, separated by commas."""
+    """Write some settings, separated by commas."""
     present = {key: value for key, value in settings.items() if value is not None}
     for i, (key, value) in enumerate(present.items()):
         lines.write(f"{', ' if i else ' '}{_SETTINGS[key]} ", key)

@@ -92,7 +92,7 @@ class OutputSettings(TypedDict, total=False):
         ``"centroid(101, midpoints)"``, ``"weighted-average"``, …; the exact centroid by
         default.
     no_rule : float or str
-        The value where no rule fires, ``"hold"`` or, by default, ``"error"``.
+        The value for no rule, ``"hold"`` or, by default, ``"error"``.
     outside : str
         As of an input.
     """
@@ -106,14 +106,14 @@ class OutputSettings(TypedDict, total=False):
 class RuleBaseBuilder(AnyRuleBase):
     """A rule base under construction; its current value is :attr:`model`.
 
-    Why two classes: a value with many holders (a cache, a table's origin, another process) must
-    not change, a text under construction must. So a builder grows, and its `model`, the
+    Why two classes: a value with many holders (a cache, a table's origin, another process) must not
+    change, a text under construction must. So a builder grows, and its `model`, the
     :class:`fuzzyarm.RuleBase` of a file with the same lines, never changes, compares and hashes.
     There is no other difference: either can be called, drawn, checked, compiled and written, and
-    every function of fuzzyarm takes both.
+    every function of fuzzyarm accepts both.
 
-    Names are declared before use. Statements without a method of their own go through :meth:`add`,
-    so the whole language can be written. Controllers are text only.
+    Names are declared before use. Statements without a method go through :meth:`add`, so the whole
+    language can be written. Controllers are text only.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return VariableBuilder(self, name)
 
     def term(self, variable: str | VariableBuilder, name: str, shape: Corners) -> None:
-        """Add a term to a variable, or replace one that was spread evenly.
+        """Add a term to a variable, or replace an evenly spaced one.
 
         Parameters
         ----------
@@ -370,7 +370,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             The inputs that go down and across. By default the names of the index and the
             columns of a DataFrame, else the first and the second input of the rule base.
         when : str, optional
-            A condition that is added to every rule: ``"load is heavy"``.
+            A condition added to every rule: ``"load is heavy"``.
 
         Raises
         ------
@@ -443,7 +443,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         conjunction, disjunction, implication : str, optional
             Norms of ``and``, ``or`` and the cut of a consequent: ``min``, ``product``, ….
         threshold : float, optional
-            A rule fires only where its firing strength is greater; 0 to 1.
+            A rule fires only above this firing strength, 0 to 1.
         aggregation, defuzzifier, no_rule, outside
             As of :meth:`output`, for all outputs (`outside` for inputs too).
 
@@ -660,7 +660,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             If it is not complete (it has no rules, or no output).
         """
         if self._model is None:
-            # Read from the text, so that a trace has the line numbers of `print`.
+            # Parsed from the text, so that a trace has the line numbers of `print`.
             parsed = parse(str(self), f"<{self.name}>", self._memory)
             if parsed.rulebase is None:
                 raise RuleBaseError(self._review().diagnostics or parsed.diagnostics)

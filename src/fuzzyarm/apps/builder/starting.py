@@ -220,9 +220,9 @@ _ROOM = Ground(
 def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
     """Return a controller around a rule base, with comments, in canonical form.
 
-    The inputs are an error and its rate, with gains that bring them to the ends of their ranges;
-    the first output drives the plant. That is the motor, or for an output that calls itself an
-    increment or a change (PI) the room.
+    The inputs are an error and its rate, with gains that scale them to their ranges; the first
+    output drives the plant: the motor, or the room for an output named an increment or a change
+    (PI).
     """
     if len(rulebase.inputs) > 2:
         raise NewFileError(
@@ -294,7 +294,7 @@ def _demand_sound(wishes: list[Wish]) -> None:
 
 
 def _with_allowances(text: str) -> str:
-    """Allow the doubts that a request leaves, such as an output without a middle term."""
+    """Allow the remaining doubts of a request, such as an output without a middle term."""
     # A repair moves the positions after it: one at a time, at most one for each line.
     for _ in range(text.count("\n")):
         doubts = check_text(text).diagnostics

@@ -104,7 +104,7 @@ def _files(paths: Iterable[str]) -> Iterator[str]:
 
 
 def _is_ours(path: str) -> bool:
-    """Whether a file of a folder is to be checked: .xml has many other uses."""
+    """Whether to check a file of a folder: .xml has many other uses."""
     name = path.lower()
     if not name.endswith(".xml"):
         return name.endswith(_IN_FOLDERS)
@@ -155,7 +155,7 @@ def _escaped(text: str, more: str = "") -> str:
 
 
 def _print_review(path: str, review: Review, *, quiet: bool) -> None:
-    # Errors go to the error stream, so that a caller's log has them.
+    # Errors go to the error stream, for the log of the caller.
     stream = sys.stderr if review.failed else sys.stdout
     if review.diagnostics:
         print_findings(review.diagnostics, review.text, stream)

@@ -79,7 +79,7 @@ def _methods(path: str) -> dict[str, list[str]]:
 
 
 def _compiled_from(path: str, provenance: Mapping[str, str]) -> RuleBase:
-    """Return the rule base that a table was compiled from, if it is unchanged."""
+    """Return the rule base behind a table, if unchanged."""
     from fuzzyarm.language import write
 
     source = provenance.get("source", "")

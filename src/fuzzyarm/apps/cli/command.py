@@ -55,7 +55,7 @@ class Command(NamedTuple):
 
     `run` takes the parsed arguments and returns the exit status. Its line on the page of all
     commands is in `main.COMMANDS`, which needs no module of a command. `rewrites` decides from the
-    arguments whether the command replaces its own input.
+    arguments whether the command replaces its input.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Command(NamedTuple):
         parser = _Parser(
             prog=f"fuzzyarm {self.name}",
             description=self.description,
-            # argparse makes a formatter for each added argument: a given width saves it the query
+            # argparse makes a formatter for each added argument: a fixed width saves it the query
             # of the terminal's, and the imports for that.
             formatter_class=partial(argparse.RawDescriptionHelpFormatter, width=80),
         )
@@ -108,7 +108,7 @@ class _Parser(argparse.ArgumentParser):
         self.exit(EXIT_USAGE, f"{self.prog}: error: {message}\n{more}\n")
 
     def _unknown(self, words: Sequence[str]) -> str:
-        """Return the message about unused words, with the option that may be meant."""
+        """Return the message about unused words, with the likely option."""
         option = next((word for word in words if word.startswith("-")), None)
         if option is None:
             return f"too many arguments: {' '.join(words)}"
@@ -311,7 +311,7 @@ def say(*lines: str, to_errors: bool = False) -> None:
     if not to_errors:
         print(text)
         return
-    with suppress(OSError):  # there is no one left to tell
+    with suppress(OSError):  # there is no reader left
         print(text, file=sys.stderr)
 
 
@@ -428,8 +428,8 @@ def hush() -> None:
 def announced(words: str, *, shown: bool = True) -> Iterator[None]:
     """Announce an activity in one line on the standard error, if it takes a while.
 
-    An inner activity replaces the announcement of an outer one, or is printed at once if that was
-    printed.
+    An inner activity replaces the announcement of an outer one, or is printed at once after a
+    printed one.
     """
     if not shown or math.isinf(SOON):
         yield

@@ -434,7 +434,7 @@ def _write_export(
     tables: Sequence[CompileReport],
     lines: Sequence[str],
 ) -> None:
-    """Write source text with the requested report, and say so in these lines."""
+    """Write source text with the requested report, and list both in `lines`."""
     report = _report(request, how, exported)
     exported.write()
     _write_report(request.report, report)

@@ -152,7 +152,7 @@ def _convert_one(arguments: argparse.Namespace, target: str) -> int:
 
 
 def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
-    """Write a rule base; .frb keeps its comments, other formats count them as lost."""
+    """Write a rule base; .frb preserves its comments, other formats count them as lost."""
     is_own = Path(arguments.source).suffix.lower() == ".frb"
     return converted(
         rulebase,

@@ -145,7 +145,7 @@ def _draw(
 def _write_products(
     document: WatchedFile, arguments: argparse.Namespace
 ) -> tuple[list[str], list[str]]:
-    """Write the table and the figure; return written files and failures, and go on watching."""
+    """Write the table and the figure; return written files and failures, and continue watching."""
     notes, faults = [], []
     rulebase = document.session.review().rulebase
     for target, write in ((arguments.table, _write_table), (arguments.figure, _write_figure)):
@@ -184,7 +184,7 @@ def _write_figure(document: WatchedFile, rulebase: RuleBase | None, target: str)
 def _picture(
     document: WatchedFile, width: int, views: Sequence[str], *, keys: bool
 ) -> RenderableType:
-    """Return the findings and those of `views` that the file has."""
+    """Return the findings and the available `views` of the file."""
     from rich.console import Group
     from rich.text import Text
 

@@ -80,7 +80,7 @@ def _csv(assignment: Assignment, grades: Sequence[Grade]) -> str:
 
 
 def _inert(text: str) -> str:
-    """Return text that no spreadsheet takes for a formula: students choose the names."""
+    """Return text that no spreadsheet reads as a formula: students choose the names."""
     return f"'{text}" if text[:1] in {"=", "+", "-", "@", "\t"} else text
 
 

@@ -136,7 +136,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     # A command makes many small objects and ends soon: garbage collection would take longer than
-    # reading the file that they come from.
+    # reading their file.
     gc.set_threshold(2_000_000)
     if arguments is None:  # the process ends too: no last collection either
         atexit.register(gc.freeze)
@@ -277,11 +277,11 @@ RESULTS = [
     "resume",
     "journal",
 ]
-"""Arguments of commands that name a file to be written."""
+"""Arguments of commands with the name of a file to write."""
 
 
 class _PatientStream:
-    """The standard output of a command with results: it goes on where no one reads any more."""
+    """The standard output of a command with results: it continues after the reader is gone."""
 
     def __init__(self, stream: TextIO) -> None:
         self.stream = stream
@@ -305,7 +305,7 @@ class _PatientStream:
 
 @contextlib.contextmanager
 def _finished(arguments: argparse.Namespace) -> Iterator[None]:
-    """Write the files of a command, and keep its exit status, where its output is closed early."""
+    """Write the files of a command, and return its exit status, if its output is closed early."""
     if not any(getattr(arguments, name, None) for name in RESULTS):
         yield
         return

@@ -104,7 +104,7 @@ def _controller(path: Path, arguments: argparse.Namespace) -> str:
     return controller_text(path.stem, file, load_rulebase(rules))
 
 
-# --- The files that come with the program ---
+# --- The shipped files ---
 
 _SHIPPED = """List the rule bases, controllers and tables that come with fuzzyarm, or copy some.
 
@@ -119,7 +119,7 @@ a shipped file, copy it first.
 
 @dataclass(frozen=True)
 class ShippedFile:
-    """A file that comes with fuzzyarm."""
+    """A shipped file."""
 
     name: str = entry("its name")
     kind: str = entry("its kind")

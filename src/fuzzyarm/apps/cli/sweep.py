@@ -179,7 +179,7 @@ class SweepReport:
 
     @property
     def extremes(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """By output, the runs of the least and the most: number, value, and what was swept."""
+        """The runs of the least and the greatest value, by output: number, value, swept values."""
         from fuzzyarm.apps.show.sweep import extremes, settings_of
 
         many, metric = self.many, self.metric

@@ -150,7 +150,7 @@ class _Log:
         raise WordError(f"{self.path} has {what} '{column}'", hint=hint)
 
     def has(self, *keys: str) -> bool:
-        """Whether a port is given under one of its names."""
+        """Whether the log has a port, under one of its names."""
         return any(key in self.given for key in keys)
 
     def column(self, *keys: str) -> NDArray[np.float64]:
@@ -166,7 +166,7 @@ class _Log:
         return self.columns[column] if isinstance(column, str) else np.full(self.count, column)
 
     def times(self) -> NDArray[np.float64] | None:
-        """Return the times of the periods, s, where the log has them in a unit that is known."""
+        """Return the times of the periods, s, if the log has them in a known unit."""
         if not self.time:
             return None
         unit = self.time.partition("[")[2].rstrip("] ") or "s"
@@ -176,7 +176,7 @@ class _Log:
         return self.columns[self.time] * times / per
 
     def demand_all_used(self) -> None:
-        """Refuse a name that is no port."""
+        """Refuse a name that is not a port."""
         if unknown := [key for key in self.given if key not in self.used]:
             raise WordError(f"the controller has no port '{unknown[0]}'")
 

@@ -1,7 +1,7 @@
 """The designer: a rule base as text and as a picture, in a browser.
 
 The text stays the one source of truth: whatever the user changes in the page is an edit of the
-text. `server` holds the open files, `scene` says what a page draws; the page itself is in
+text. `server` holds the open files, `scene` is the content of a drawing; the page itself is in
 ``page/``.
 
 To add to the designer

@@ -25,7 +25,7 @@ KINDS = {
 
 @cache
 def names() -> frozenset[str]:
-    """Return the names of the files that a page may ask for."""
+    """Return the names of the files available to a page."""
     paths = (path.relative_to(PAGE).as_posix() for path in PAGE.rglob("*") if path.is_file())
     return frozenset(name for name in paths if Path(name).suffix in KINDS)
 
@@ -36,7 +36,7 @@ def _engine() -> bytes:
 
 
 def asset(name: str) -> tuple[bytes, str] | None:
-    """Return the content and the type of a file of the page; None where it does not exist."""
+    """Return content and type of a file of the page; None if it does not exist."""
     if name == "engine.js":
         return _engine(), KINDS[".js"]
     if name not in names():
@@ -46,7 +46,7 @@ def asset(name: str) -> tuple[bytes, str] | None:
 
 @cache
 def modules(first: str = "app.js") -> tuple[str, ...]:
-    """Return a module and all that it imports, each once."""
+    """Return a module and all its imports, each once."""
     names = [first]
     for name in names:  # which grows meanwhile
         content, _ = asset(name) or (b"", "")
@@ -62,5 +62,5 @@ def index_page(facts: Mapping[str, Any], nonce: str) -> str:
     start = {**facts, "nonce": nonce, "version": __version__}
     # A browser would learn of each module only when it has read the one that imports it.
     links = [f'<link rel="modulepreload" href="page/{name}">' for name in modules()]
-    preloads = "\n".join(reversed(links))  # the largest ones come last
+    preloads = "\n".join(reversed(links))  # the largest ones last
     return page.replace("PRELOADS", preloads).replace("START", script_json(start))

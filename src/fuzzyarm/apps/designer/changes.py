@@ -1,7 +1,7 @@
-"""Changes of a text as the page's editor sends them, and the merging of two texts.
+"""Changes of a text from the page's editor, and the merge of two texts.
 
-A change set of CodeMirror is a list that goes through the old text: a number keeps so many
-UTF-16 units, ``[n]`` removes them, ``[n, line, line, …]`` puts lines in their place.
+A change set of CodeMirror is a list over the old text: a number keeps so many UTF-16 units, ``[n]``
+removes them, ``[n, line, line, …]`` replaces them by lines.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def difference(old: str, new: str) -> Changes:
 
 
 def merged(base: str, mine: str, theirs: str) -> str | None:
-    """Return a text with the changes of both, line by line; None where they touch."""
+    """Return a text with the changes of both, line by line; None if they touch."""
     if mine in (base, theirs):
         return theirs
     if theirs == base:
@@ -86,7 +86,7 @@ def merged(base: str, mine: str, theirs: str) -> str | None:
 
 def _edits(base: Sequence[str], text: str) -> list[tuple[int, int, tuple[str, ...]]]:
     lines = text.splitlines(keepends=True)
-    # Comparing takes quadratic time, and most of a long text has not changed.
+    # A comparison takes quadratic time, and most of a long text has not changed.
     start, end = _common_ends(base, lines)
     old, new = base[start : len(base) - end], lines[start : len(lines) - end]
     matcher = SequenceMatcher(None, old, new, autojunk=False)
@@ -98,7 +98,7 @@ def _edits(base: Sequence[str], text: str) -> list[tuple[int, int, tuple[str, ..
 
 
 def _common_ends(old: Sequence[str], new: Sequence[str]) -> tuple[int, int]:
-    """Return how many items are the same at the start, and at the end of the rest."""
+    """Return the lengths of the common start and of the common end of the rest."""
     most = min(len(old), len(new))
     start = 0
     while start < most and old[start] == new[start]:

@@ -45,7 +45,7 @@ class ComparedSurface:
 
 
 def compare(session: Session, request: CompareWork, job: WindowJob) -> None:
-    """Tell the difference of two surfaces, where it is largest, and the differences in meaning."""
+    """Report the difference of two surfaces, its maximum, and the differences in meaning."""
     other = job.folder.session(request.other)
     one, two = model_of(session), model_of(other)
     for model in (one, two):
@@ -105,7 +105,7 @@ def surface_of(model: RuleBase | LookupTable, output: str) -> ComparedSurface:
 def _overlap(
     first: ComparedSurface, second: ComparedSurface, names: list[str]
 ) -> dict[str, tuple[float, float]]:
-    """Return where both have values."""
+    """Return the region where both have values."""
     overlap = {}
     for name in names:
         low = max(first.ranges[name][0], second.ranges[name][0])
@@ -139,7 +139,7 @@ def _slice(
     at[x] = xs[None, :]
     if y:
         at[y] = ys[:, None]
-    # A surface that does not depend on an input comes with fewer axes.
+    # A surface independent of an input has fewer axes.
     values = [np.broadcast_to(surface.at(at), (ys.size, xs.size)) for surface in surfaces]
     where = _where(np.abs(values[1] - values[0]), {y or "": ys, x: xs})
     return {
@@ -179,7 +179,7 @@ def _pictures(
 
 
 def _where(difference: Array, points: Mapping[str, Array]) -> dict[str, Any] | None:
-    """Return the largest difference and where; None where there is nothing to compare."""
+    """Return the largest difference and its point; None without common values."""
     if np.isnan(difference).all():
         return None
     index = np.unravel_index(int(np.nanargmax(difference)), difference.shape)

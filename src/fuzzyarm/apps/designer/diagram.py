@@ -43,7 +43,7 @@ MOST_VARIABLES = 60
 
 
 def _width(text: str, style: str) -> float:
-    """Return about how wide a text is in a page, rather too much than too little."""
+    """Return the approximate width of a text in a page, rather too large than too small."""
     bold = 1.08 if style in ("label", "head") else 1.0
     units = sum(0.42 if c in NARROW else 0.95 if c in WIDE else 0.64 for c in text)
     return units * SIZES[style] * bold
@@ -110,7 +110,7 @@ def _short(value: float) -> float:
 
 
 def sheets(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell the surfaces of a controller's rule bases and tables, over their first two inputs."""
+    """Report the surfaces of a controller's rule bases and tables, over their first two inputs."""
     from fuzzyarm.apps.designer.comparison import outputs_of, surface_of
 
     model = session.reading.parsed.controller if isinstance(session.reading, Reading) else None
@@ -131,7 +131,7 @@ def sheets(session: Session, request: BareMessage, job: WindowJob) -> None:
 
 
 def _file(files: tuple[str, ...], session: Session) -> dict[str, Any]:
-    """Return the file of a sheet, and whether it is one that comes with the program."""
+    """Return the file of a sheet, and whether it is a shipped one."""
     if not files:
         return {"file": "", "shipped": False}
     file = Path(files[0])

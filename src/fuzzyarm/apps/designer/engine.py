@@ -38,7 +38,7 @@ from fuzzyarm.symbolic.records import Kind
 
 
 class KindNames(NamedTuple):
-    """The kinds that a module has."""
+    """The kinds in a module."""
 
     shapes: Sequence[str]
     tnorms: Sequence[str]
@@ -47,7 +47,7 @@ class KindNames(NamedTuple):
 
 
 def every_kind() -> KindNames:
-    """Return all kinds that are known now, those of users among them."""
+    """Return all kinds registered now, those of users among them."""
     return KindNames(tuple(SHAPES), tuple(TNORMS), tuple(SNORMS), tuple(HEDGES))
 
 
@@ -55,7 +55,7 @@ def every_kind() -> KindNames:
 
 
 class Functions:
-    """Numbers the functions that a layout calls, and describes them for the engine."""
+    """The numbering of the functions in a layout, with descriptions for the engine."""
 
     compiled = False
 
@@ -66,7 +66,7 @@ class Functions:
     def _number(self, described: dict[str, Any]) -> int:
         key = json.dumps(described, sort_keys=True)
         if key not in self._numbers:
-            # The numbers in front are norms that the kernel does by itself.
+            # The first numbers are the norms built into the kernel.
             self._numbers[key] = len(block.BY_ITSELF) + len(self.described)
             self.described.append(described)
         return self._numbers[key]
@@ -146,7 +146,7 @@ def numbers_of(
 
 
 def _first_weight(plan: Plan, layout: Layout) -> int:
-    """Return where the weights of the rules begin in the floats: in front of the first output's."""
+    """Return the index of the first weight in the floats: before those of the first output."""
     first = layout.whole[layout.whole[block.OUTPUTS_AT] + block.FLOATS_AT]
     # Two floats for each rule: weight and threshold.
     return first - 2 * len(plan.rules)

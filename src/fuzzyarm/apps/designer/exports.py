@@ -1,7 +1,7 @@
-"""Exports of the text as it is now: the bytes of the commands, to be downloaded.
+"""Exports of the present text: the bytes of the commands, for download.
 
-Each has the bytes that `fuzzyarm compile`, `convert` or `plot` writes of the same text.
-Files that a controller uses are taken as they are saved, and only those of the folder.
+Each has the bytes of `fuzzyarm compile`, `convert` or `plot` for the same text.
+Files of a controller are read as saved, and only from the folder.
 """
 
 from __future__ import annotations
@@ -88,14 +88,14 @@ class ExportRefusedError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True)
 class Offered:
-    """A file to be downloaded."""
+    """A file for download."""
 
     name: str
     content: bytes
 
 
 def model_of(session: Session) -> Any:
-    """Return the rule base, controller or table that a text means."""
+    """Return the rule base, controller or table in a text."""
     parsed = session.reading.parsed
     mistakes = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.is_error]
     if mistakes:
@@ -110,7 +110,7 @@ def model_of(session: Session) -> Any:
 
 
 def _controller(session: Session) -> ControllerText:
-    """Return a controller with the files that it uses."""
+    """Return a controller with its files."""
     from fuzzyarm.control.controllers.text import home_of, with_files
 
     model = session.reading.parsed.controller
@@ -185,7 +185,7 @@ def files_of(
 
 
 def _content(session: Session) -> bytes:
-    """Return the bytes of a text: those of the file, with its line ends, where it is saved."""
+    """Return the bytes of a text: those of the file, line ends included, if it is saved."""
     with contextlib.suppress(OSError, UnicodeDecodeError):
         data = Path(session.path).read_bytes()
         if data.decode("utf-8-sig").replace("\r\n", "\n") == session.text:
@@ -257,7 +257,7 @@ def _conversion(
 ) -> tuple[list[Offered], list[str]]:
     exported = converted(model, session.path, Path(out).suffix, session.text, lossy=lossy)
     diagnostics = findings_of(Imported(model, (), "fuzzyarm"), exported, session.path)
-    diagnostics.sort(key=lambda diagnostic: not diagnostic.is_error)  # what refuses comes first
+    diagnostics.sort(key=lambda diagnostic: not diagnostic.is_error)  # errors first
     lines = [in_words(RuleBaseError([diagnostic])) for diagnostic in diagnostics]
     if exported.text is None:
         raise ExportRefusedError("; ".join(lines))

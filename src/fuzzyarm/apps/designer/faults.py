@@ -1,8 +1,8 @@
-"""Failures as a page hears them: a mistake in words, or a fault of the program.
+"""Failures for a page: a mistake in words, or a fault of the program.
 
 A mistake (`FuzzyarmError`, `OSError`) is a sentence for the person at the page. Anything else is an
-internal error: the page says so, and the trace is in the log ``fuzzyarm.apps.designer``, which
-goes to the standard error of ``fuzzyarm designer``.
+internal error: the page reports it, and the trace is in the log ``fuzzyarm.apps.designer``, written
+to the standard error of ``fuzzyarm designer``.
 """
 
 from __future__ import annotations

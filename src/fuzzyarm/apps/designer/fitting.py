@@ -1,6 +1,6 @@
 """A rule base from samples of the folder: the report of ``fuzzyarm fit``, with residuals.
 
-A page says ``enough``, which keeps the best so far, and ``save`` with the name of a file.
+Words of a page: ``enough``, which keeps the best so far, and ``save`` with the name of a file.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ MODELS = (".lut", ".frb")
 
 
 def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell the form, and the files to learn from."""
+    """Send the form, and the files to learn from."""
     models = [name for name in job.folder.listed(*MODELS) if _is_sampled(job, name)]
-    here = Path(session.path).name  # without samples, the open file comes first
+    here = Path(session.path).name  # without samples, the open file first
     job.tell({
         "samples": sorted(job.folder.listed(*SAMPLES), key=lambda name: -_size(job, name)),
         "models": sorted(models, key=lambda name: name != here),
@@ -84,7 +84,7 @@ def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -
 
 
 def _learned(request: FitRequest, job: WindowJob) -> Fit:
-    """Learn, and tell the result."""
+    """Learn, and send the result."""
     from fuzzyarm.learning.fit import fidelity
     from fuzzyarm.learning.fit import fit as fit_it
     from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of
@@ -115,7 +115,7 @@ def _learned(request: FitRequest, job: WindowJob) -> Fit:
 
 
 class _Teller:
-    """Reports progress; the user may end it, which keeps the best."""
+    """Progress of learning; the user may end it, which keeps the best."""
 
     def __init__(self, job: WindowJob) -> None:
         self.job = job

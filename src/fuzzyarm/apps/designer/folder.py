@@ -1,7 +1,7 @@
-"""The files of the designer: those of its folder, new, renamed and imported ones.
+"""The files in the folder of the designer: new, renamed and imported ones, too.
 
-Nothing outside the folder is read or written. A name that comes from a page is checked before it
-becomes a path: it must be one that every system takes, and it never leads out of the folder.
+Nothing outside the folder is read or written. A name from a page is checked before it becomes a
+path: it must be valid on every system, and never leads out of the folder.
 """
 
 from __future__ import annotations
@@ -50,28 +50,28 @@ from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
 
 SUFFIXES = (".frb", ".lut")
-"""Files that are opened."""
+"""Suffixes of files that can be opened."""
 
 SAMPLES = ".csv"
-"""Of a file of samples; a table has this suffix too, and a first line that says so."""
+"""Suffix of samples; a table has this suffix too, and a first line of its kind."""
 
 IMPORTS = (*READABLE, *TABLES)
-"""Files that are taken where they are dropped."""
+"""Suffixes of files accepted by drag and drop."""
 
 FOREIGN = tuple(suffix for suffix in READABLE if suffix not in SUFFIXES)
 """Rule bases of other programs."""
 
 RULE_BASE, TABLE = "rule base", "table"
-"""Kinds of files beside `CONTROLLER`, as a page says them."""
+"""Kinds of files beside `CONTROLLER`, in words of the page."""
 
 FIRST = "pd7.frb"
-"""The rule base to begin with, where it is among them: that of the pages and the tutorial."""
+"""The initial rule base, if present: that of the pages and the tutorial."""
 
 MOST_TRIED = 8
-"""Rule bases that are read until one without mistakes is found to begin with."""
+"""Rule bases read in the search for an initial one without mistakes."""
 
 LARGEST_IMPORT = 8_000_000
-"""Bytes of a file that is dropped."""
+"""Bytes of a dropped file."""
 
 
 class Workspace:
@@ -80,8 +80,8 @@ class Workspace:
     Parameters
     ----------
     path : Path
-        The folder, or the file; nothing else is read or written. A folder that does not exist
-        is made with its first file.
+        The folder, or the file; nothing else is read or written. A missing folder is made with its
+        first file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -99,7 +99,7 @@ class Workspace:
             return []
         try:
             paths = [path for path in self.folder.iterdir() if path.suffix.lower() in suffixes]
-        except OSError:  # it does not exist yet, or may not be read: `trouble` says so
+        except OSError:  # missing, or unreadable: see `trouble`
             return []
         return sorted(path.name for path in paths if self._is_own(path))
 
@@ -122,9 +122,9 @@ class Workspace:
             return 0
 
     def first(self) -> str:
-        """Return the file to begin with: a rule base without mistakes, else what comes nearest.
+        """Return the initial file: a rule base without mistakes, else the nearest to one.
 
-        Empty where there is none.
+        Empty if there is none.
         """
         names = self.files()
         kinds: dict[str, list[str]] = {}
@@ -164,7 +164,7 @@ class Workspace:
         return (self.folder / name).read_bytes()
 
     def beside(self, name: str, suffix: str) -> Path:
-        """Return the path of a file of the folder that may be written."""
+        """Return the path of a writable file of the folder."""
         self._demand_folder()
         path = self.folder / demand_name(name)
         if not is_inside(path, self.folder):
@@ -199,15 +199,15 @@ class Workspace:
         return shared is not None and shared.text != shared.saved
 
     def unsaved(self) -> list[str]:
-        """Return the names of the files of which a window has, or had, more than is saved."""
+        """Return the names of the files with unsaved text in some window, past or present."""
         return sorted(name for name in self._open if self.is_changed(name))
 
     def opened(self, name: str) -> SharedText | None:
-        """Return the text of a file that a window shows; None of any other."""
+        """Return the text of a file in a window; None for any other."""
         return self._open.get(name)
 
     def session(self, name: str) -> Session:
-        """Return a file of the folder as it is now, in its window or else on disk."""
+        """Return the present text of a file of the folder, in its window or else on disk."""
         path, shared = self._path(name), self._open.get(name)
         return Session(str(path), read_text(path) if shared is None else shared.text)
 
@@ -255,7 +255,7 @@ class Workspace:
         return {**row, "changed": self.is_changed(name)}
 
     def findings(self, name: str) -> dict[str, Any]:
-        """Return the number of findings of a file, from the cache where it has not changed."""
+        """Return the number of findings of a file; cached until it changes."""
         shared = self._open.get(name)
         stamp = shared.text if shared else stamp_of(self._path(name))
         if name in self._checked and self._checked[name][0] == stamp:
@@ -296,18 +296,18 @@ class Workspace:
         return controller_text(Path(name).stem, file, rulebase)
 
     def _adopt(self, request: requests.OfFile) -> dict[str, Any]:
-        """Copy a file that comes with fuzzyarm into the folder, to be changed there."""
+        """Copy a shipped file into the folder, for editing."""
         return self._copied(demand_name(request.file), request.file)
 
     def _samples(self, _request: requests.BareMessage) -> dict[str, Any]:
-        """Write samples to learn from, where no such files are there yet."""
+        """Write samples to learn from, unless such files exist."""
         for name, text in valve_samples().items():
             if name.casefold() not in self._taken():
                 self._written(name, text)
         return {}
 
     def _copied(self, file: str, name: str) -> dict[str, Any]:
-        """Write a shipped file under a name, and those that it uses, where none are there yet."""
+        """Write a shipped file under a name, and the files that it uses, unless they exist."""
         text = shipped(file).read_text(encoding="utf-8")
         made = self._written(name, text)
         for used in _used(text):
@@ -352,7 +352,7 @@ class Workspace:
         return {"users": users}
 
     def _carried(self, request: requests.OfFile) -> dict[str, Any]:
-        """Return the texts of the files that a file uses, as they are now; shipped ones, too."""
+        """Return the present texts of the files that a file uses, shipped ones included."""
         names = self.files()
         texts = {
             name: self.session(name).text
@@ -382,7 +382,7 @@ class Workspace:
         return {"open": name}
 
     def _reserved(self, name: str) -> Path:
-        """Create an empty file, so that nobody else takes the name."""
+        """Create an empty file, to reserve the name."""
         self._demand_free(name)
         self.folder.mkdir(parents=True, exist_ok=True)
         target = self.folder / name
@@ -397,7 +397,7 @@ class Workspace:
             raise OutsideError(f"'{name}' already exists")
 
     def _taken(self) -> set[str]:
-        """Return the names in the folder; some systems do not tell small letters from capitals."""
+        """Return the names in the folder; some systems ignore case."""
         if not self.folder.exists():
             return set()
         return {path.name.casefold() for path in self.folder.iterdir()}
@@ -428,7 +428,7 @@ def _examples() -> dict[str, str]:
 
 
 def _used(text: str) -> list[str]:
-    """Return the files that a controller names, with mistakes in its text or not."""
+    """Return the files named in a controller, even with mistakes in its text."""
     lines = re.findall(r"^use\s[^#\n]*", text, re.MULTILINE)
     return sorted({name for line in lines for name in re.findall(r'"([^"]+)"', line)})
 
@@ -446,7 +446,7 @@ def converted_file(name: str, data: bytes) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``name`` and ``text`` to be written, and ``findings`` in words.
+        ``name`` and ``text`` to write, and ``findings`` in words.
 
     Raises
     ------

@@ -1,8 +1,7 @@
-"""The forms of a page: which fields of a request each of them has.
+"""The forms of a page: the fields of a request in each.
 
-All else of a form follows from the request: name of a field, help, unit, choices,
-default, and the sentence about a value that does not fit. The page draws every form alike
-(``page/form.js``).
+All else of a form follows from the request: name of a field, help, unit, choices, default, and the
+sentence about an invalid value. The page draws all forms by one function (``page/form.js``).
 """
 
 from __future__ import annotations
@@ -50,13 +49,13 @@ class RequestForm(Generic[AnyRequest]):
     kind : type
         Of the request.
     first : tuple of str
-        The fields that are seen at once, in their order.
+        The visible fields, in order.
     more : tuple of str
-        Those that are folded away below the group that most of them have on the help page.
+        The folded fields, under the group of most of them on the help page.
     open : str
         The field for the open file; a page does not fill it in.
     title : str
-        Above those that are folded away.
+        Title of the folded fields.
     """
 
     kind: type[AnyRequest]
@@ -76,7 +75,7 @@ class RequestForm(Generic[AnyRequest]):
         return cast(list[FormField], fields)
 
     def request(self, values: FormValues, folder: Path, **others: Any) -> AnyRequest:
-        """Return the request that a page has filled in."""
+        """Return the request filled in on a page."""
         fields = {name: values[name] for name in (*self.first, *self.more) if name in values}
         for name in SIGNALS:
             if name in fields:
@@ -176,11 +175,11 @@ FORMS: Mapping[str, RequestForm[Any]] = {
     "prove-loop": PROVE_LOOP,
     "margins": MARGINS,
 }
-"""By the work that they ask for."""
+"""Forms, by their work."""
 
 
 def judged(form: str, values: FormValues, folder: Path, plants: Plants) -> dict[str, Any]:
-    """Return the mistake in a form and its field; nothing where it could begin.
+    """Return the mistake in a form and its field; None for a valid form.
 
     Parameters
     ----------
@@ -189,7 +188,7 @@ def judged(form: str, values: FormValues, folder: Path, plants: Plants) -> dict[
     values : mapping
         The values of the form.
     folder : Path
-        Of the file that is open.
+        Folder of the open file.
     plants : Plants
         Those of the designer.
     """

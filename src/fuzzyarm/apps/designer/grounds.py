@@ -1,7 +1,7 @@
-"""Where a controller of a page runs: plants, their trajectories, references, sensors.
+"""The surroundings of a page's controller: plants, their trajectories, references, sensors.
 
-A page names plants that come with the package, and those that were named on the command line,
-where a file of Python is executed. A run is described in the words of the command line.
+A page may name shipped plants and those of the command line, whose Python files are executed. A run
+is described in the words of the command line.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Experiment = TypeVar("Experiment", bound=ExperimentRequest)
 
 
 class GroundsError(FuzzyarmError, ValueError):
-    """A plant, a reference or a time that a page may not ask for."""
+    """A plant, a reference or a time that is not permitted to a page."""
 
 
 class FieldError(GroundsError):
@@ -46,7 +46,7 @@ class FieldError(GroundsError):
 
 @contextlib.contextmanager
 def at_field(name: str) -> Iterator[None]:
-    """Turn an error into one of a field, unless it names its field."""
+    """Attribute an error to a field, unless it names its field."""
     try:
         yield
     except RequestError as error:
@@ -59,10 +59,10 @@ def at_field(name: str) -> Iterator[None]:
 
 
 def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
-    """Return the plants of a designer, those first that have the axes of a controller.
+    """Return the plants of a designer, those with the axes of a controller first.
 
-    Each with whether it has them, and with its trajectories or references: see `followable`. The
-    likeliest is the first.
+    Each with a flag of these axes, and with its trajectories or references, see `followable`; the
+    likeliest first.
     """
     from fuzzyarm.apps.designer.stage import followable
     from fuzzyarm.control.controllers.findings import site_by_axes
@@ -107,11 +107,11 @@ MANY = (
 """Fields of several words."""
 
 RANGES = ("sweep", "vary")
-"""Fields of ranges, in requests that have them."""
+"""Fields of ranges, in the requests with ranges."""
 
 
 def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
-    """Return a request of the values of a form; FieldError if a field does not take its value."""
+    """Return a request from the values of a form; FieldError for an invalid value."""
     with at_field(""):
         return kind.of(values)
 
@@ -128,7 +128,7 @@ def signal_of(folder: Path, word: str) -> str:
 
 
 def check_words(request: ExperimentRequest, plant: Plant) -> None:
-    """Read each word separately, so that a mistake shows at its field."""
+    """Read each word separately, to show a mistake at its field."""
     from fuzzyarm.control.loop.sweep import read_range
     from fuzzyarm.control.loop.words import connections, driven, options_of, signals
     from fuzzyarm.plant.plant import interface_of
@@ -165,7 +165,7 @@ def request_on(plant: Plant, request: Experiment) -> Experiment:
 
 
 def seconds_of(word: str) -> float:
-    """Return how long a run lasts, s; WordError if it is not a time, or not one above zero."""
+    """Return the duration of a run, s; WordError unless it is a time above zero."""
     from fuzzyarm.base.numbers import read_time
 
     seconds = read_time(word, "the duration")
@@ -182,7 +182,7 @@ def trajectory_motion_of(
     *,
     payload: bool,
 ) -> Motion:
-    """Return the set points of the trajectory that a page names; by default the plant's first."""
+    """Return the set points of the trajectory named by a page; by default the plant's first."""
     from fuzzyarm.control.loop.along import trajectory_motion
     from fuzzyarm.plant.following import carries, trajectory_of
 

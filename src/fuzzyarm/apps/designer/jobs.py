@@ -1,9 +1,9 @@
-"""Long work that a page watches: it runs beside the answering of questions, and can be stopped.
+"""Long work watched by a page: it runs beside the answers to questions, and can be stopped.
 
-A piece of work is a function of the text as it was, of the request, and of a
-`WindowJob`. It runs in a thread of its own, which may wait for the user as long as it likes:
-questions are answered by other threads. Its news wait until the window has been sent them, so
-that a slow window slows the work and not the server.
+A piece of work is a function of the text at its start, of the request, and of a `WindowJob`. It
+runs in its own thread, which may wait for the user indefinitely: other threads answer questions. It
+waits until its news are sent to the window, so that a slow window slows the work and not the
+server.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ Word = TypeVar("Word")
 Tell = Callable[[dict[str, Any]], Awaitable[None]]
 
 TELL_EVERY = 0.1
-"""Seconds between two words of how far long work is."""
+"""Seconds between two reports of progress."""
 
 LOOK_EVERY = 0.25
-"""Seconds after which work that waits for a word notices that it has been stopped."""
+"""Seconds between two looks of waiting work at its stop flag."""
 
 
 MOST_KEPT, LARGEST_KEPT = 64, 200_000_000
@@ -52,17 +52,17 @@ class Folder(Protocol):
     """The files that a page may name."""
 
     def beside(self, name: str, suffix: str) -> Path:
-        """Return the path of a file of the folder that may be written."""
+        """Return the path of a writable file of the folder."""
 
     def listed(self, *suffixes: str) -> list[str]:
         """Return the names of the folder's files of some kinds."""
 
     def session(self, name: str) -> Session:
-        """Return a file of the folder as it is now."""
+        """Return the present text of a file of the folder."""
 
 
 class Downloads:
-    """Files that a page may load, each under a key of its own; the oldest go."""
+    """Files for download by a page, each under its own key; the oldest are dropped."""
 
     def __init__(self) -> None:
         self._files: OrderedDict[str, tuple[str, bytes]] = OrderedDict()
@@ -76,7 +76,7 @@ class Downloads:
         return f"download/{key}/{quote(name)}"
 
     def find(self, key: str) -> tuple[str, bytes] | None:
-        """Return the name and the content of a file that is kept."""
+        """Return the name and the content of a stored file."""
         return self._files.get(key)
 
 
@@ -128,7 +128,7 @@ class WindowJob:
 
     @cached_property
     def plants(self) -> Plants:
-        """The plants; they bring the loop, which few works need."""
+        """The plants; they import the loop, which few works need."""
         if self._plants is not None:
             return self._plants()
         from fuzzyarm.apps.designer.stage import Plants
@@ -138,11 +138,11 @@ class WindowJob:
     # --- From the server ---
 
     async def refuse(self, error: FuzzyarmError) -> None:
-        """Tell that it does not begin."""
+        """Report that it does not begin."""
         await self._send({"end": "failed", "message": str(error), "field": ""})
 
     async def run(self, work: Work, session: Session, request: Any) -> None:
-        """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
+        """Do the work, and report its end: done, stopped, or failed with a sentence."""
         await self._send(await run_to_its_end(lambda: self._end(work, session, request)))
 
     def _end(self, work: Work, session: Session, request: Any) -> dict[str, Any]:
@@ -153,13 +153,13 @@ class WindowJob:
         except (FuzzyarmError, OSError) as error:
             field = getattr(error, "field", "")  # of the page, with the mistake
             return {"end": "failed", "message": in_words(error), "field": field}
-        except BaseException as error:  # also SystemExit: the window must hear that it has ended
+        except BaseException as error:  # also SystemExit: the window must learn of the end
             words = internal_words(error, f"the work {getattr(work, '__name__', work)!r}")
             return {"end": "failed", "message": words, "internal": True}
         return {"end": "done"}
 
     def hear(self, message: dict[str, Any]) -> None:
-        """Take an action of the user."""
+        """Receive an action of the user."""
         self._messages.put(message)
 
     def stop(self) -> None:
@@ -169,7 +169,7 @@ class WindowJob:
     # --- From the work ---
 
     def tell(self, news: dict[str, Any]) -> None:
-        """Tell the window, and wait until it has been sent."""
+        """Send news to the window, and wait until they are sent."""
         self.check()
         wait_for(self._send(news), self._loop)
         self.check()  # it may have been stopped while a slow window was waited for
@@ -196,11 +196,11 @@ class WindowJob:
             raise StoppedError("stopped")
 
     def progress(self, words: str) -> None:
-        """Tell the progress."""
+        """Report the progress."""
         self.tell({"doing": words})
 
     def paced_progress(self, words: str) -> None:
-        """Tell the progress, at most every `TELL_EVERY` seconds."""
+        """Report the progress, at most every `TELL_EVERY` seconds."""
         if time.monotonic() - self._paced >= TELL_EVERY:
             self._paced = time.monotonic()
             self.progress(words)
@@ -225,7 +225,7 @@ def tell_result(
     files: Mapping[str, bytes] | None = None,
     so_far: bool = False,
 ) -> None:
-    """Tell a result; the next one replaces a provisional one."""
+    """Send a result; the next one replaces a provisional one."""
     job.tell({
         "so_far": so_far,
         "verdict": verdict,
@@ -241,7 +241,7 @@ def tell_result(
 def save_beside(
     job: WindowJob, name: str, suffix: str, write: Callable[[Path], object], *, replace: bool
 ) -> None:
-    """Write a file of the folder, and tell so; one that is there only where a page says so."""
+    """Write a file of the folder, and report it; overwrite only on the page's request."""
     try:
         path = job.folder.beside(name, suffix)
         if path.exists() and not replace:

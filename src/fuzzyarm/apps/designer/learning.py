@@ -1,7 +1,8 @@
-"""Learning, watched and paused by the user: an SOC table that grows cell by cell, and is kept.
+"""Learning, watched and paused by the user: an SOC table that grows cell by cell, and can be saved.
 
-The training is that of ``fuzzyarm learn`` (`Trainee`), the file that is written has its bits. A
-page says ``go`` (``run``, ``pause``, ``step`` for one pass, ``stop``), ``speed`` and ``save``.
+The training is that of ``fuzzyarm learn`` (`Trainee`), and so are the bits of the written file.
+Words of a page: ``go`` (``run``, ``pause``, ``step`` for one pass, ``stop``), ``speed`` and
+``save``.
 """
 
 from __future__ import annotations
@@ -38,23 +39,23 @@ FRAMES = 40
 """Pictures of a pass."""
 
 FRAME = 0.04
-"""Seconds between two pictures of a pass that is watched, at least."""
+"""Minimum seconds between two pictures of a watched pass."""
 
 SPEEDS = {"watch": FRAME, "fast": 0.0}
-"""How long a picture stays; ``fast`` tells whole passes."""
+"""Seconds of a picture; ``fast`` shows whole passes only."""
 
 DEFAULT_PASSES = 6
 
 
 def controller_model(session: Session) -> ControllerModel | None:
-    """Return the controller in a text; None where it has none, or mistakes."""
+    """Return the controller in a text; None without one, or with mistakes."""
     if session.path.lower().endswith(".lut"):
         return None
     return parse(session.text, session.path).controller
 
 
 def learnable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell which controllers can be trained, where, and with what they may begin."""
+    """Send the trainable controllers, their plants, and their possible starts."""
     from fuzzyarm.control.controllers.catalogue import TEXTS
     from fuzzyarm.language.model.controller import Learn
     from fuzzyarm.language.reading import read_text
@@ -92,11 +93,11 @@ class TrainingWork:
     Parameters
     ----------
     session : Session
-        The text that is open.
+        The open text.
     asked : LearnWork
         The request.
     job : WindowJob
-        Where messages go to and come from.
+        The channel of messages.
     """
 
     def __init__(self, session: Session, request: LearnWork, job: WindowJob) -> None:
@@ -186,7 +187,7 @@ class TrainingWork:
         with at_field("duration"):
             seconds = None if request.duration is None else seconds_of(request.duration)
         motion = plant_motion(self.trainee.controller, plant, signals(request) or None, seconds)
-        named = Path(request.plant or plant.name).name  # as the command says it
+        named = Path(request.plant or plant.name).name  # as in the command
         return motion, reference_words(named, request.reference)
 
     # --- The training ---
@@ -207,7 +208,7 @@ class TrainingWork:
                 self._take(self.job.word(LearnWord))
             if self.mode == "stop":
                 break
-            if snapshot.complete and snapshot.passage >= self.limit:  # it is to go on
+            if snapshot.complete and snapshot.passage >= self.limit:  # to be continued
                 self.limit += 1 if self.mode == "step" else self.passes
         self.mode = "stop"
         if self.last is not None:
@@ -264,7 +265,7 @@ class TrainingWork:
         })  # fmt: skip
 
     def _show(self, snapshot: Snapshot) -> None:
-        """Tell the state; of a fast training only of whole passes."""
+        """Send the state; of a fast training only whole passes."""
         if self.hold == 0.0 and self.goes_on and not snapshot.complete:
             return
         begin = time.monotonic()
@@ -305,7 +306,7 @@ class TrainingWork:
     # --- The file ---
 
     def _save(self, name: str, *, replace: bool) -> None:
-        """Write the tables as they are; an existing file only if the page says so."""
+        """Write the present tables; over an existing file only on the page's request."""
 
         def write(path: Path) -> None:
             from fuzzyarm.table import write_table

@@ -1,8 +1,8 @@
 """Messages to a page, a record each, and the picture of a rule base.
 
 They are dictionaries, ready for JSON, whose keys mypy checks where they are made;
-`tools/message_types.py` prints them as types for the page. News of long work carry fields of their
-own beside those of `JobNews`; the module of each work says which.
+`tools/message_types.py` prints them as types for the page. News of long work carry fields beside
+those of `JobNews`; the module of each work lists them.
 """
 
 from __future__ import annotations
@@ -373,4 +373,4 @@ HEARD = (
 """All messages that a page hears."""
 
 OPEN = (Answer, JobNews)
-"""Those that carry fields of their own beside."""
+"""Those with further fields."""

@@ -1,4 +1,4 @@
-"""Names of files that come from a page, and errors in words that name no path."""
+"""Names of files from a page, and errors in words without a path."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ LONGEST_NAME = 120
 """Bytes of a file name, which leaves room for the names of temporary files."""
 
 _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])(\.|\Z)", re.IGNORECASE)
-"""Names that are devices on some systems, whatever their suffix."""
+"""Names of devices on some systems, with any suffix."""
 
 _MARKS = re.compile(r'[<>:"/\\|?*]')
-"""Marks that some system does not take in a name."""
+"""Marks forbidden in names on some system."""
 
 
 class OutsideError(FuzzyarmError, ValueError):
@@ -26,7 +26,7 @@ class OutsideError(FuzzyarmError, ValueError):
 
 
 def demand_name(name: str) -> str:
-    """Return a name that a file of the folder may have on every system."""
+    """Return the name of a file that is valid on every system."""
     name = unicodedata.normalize("NFC", name.strip())
     shown = printable(name[:80])
     if not Path(name).stem or name.startswith("."):
@@ -48,7 +48,7 @@ def is_inside(path: Path, folder: Path) -> bool:
 
 
 def clean_name(name: str, suffix: str) -> str:
-    """Return a sound name with a suffix that is as near to somebody's `name` as can be."""
+    """Return the sound name nearest to a user's `name`, with a suffix."""
     name = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
     stem = "".join(c if c.isprintable() else "_" for c in Path(name).stem)
     stem = _MARKS.sub("_", stem).strip(" .")
@@ -65,14 +65,14 @@ def with_suffix(name: str, suffix: str) -> str:
 
 
 def finding_words(finding: Diagnostic) -> str:
-    """Return a finding with its line; that it is an error goes without saying."""
+    """Return a finding with its line; only warnings are marked as such."""
     place = f"line {finding.span.line}: " if finding.span != NOWHERE else ""
     label = "" if finding.severity is Severity.ERROR else f"{finding.severity}: "
     return f"{label}{place}{finding.message}"
 
 
 def in_words(error: Exception) -> str:
-    """Return an error without the path that it happened at."""
+    """Return an error without its path."""
     if isinstance(error, RuleBaseError):
         return "; ".join(finding_words(diagnostic) for diagnostic in error.diagnostics)
     if isinstance(error, OSError) and error.strerror:

@@ -1,12 +1,12 @@
 """The open files and their windows: messages about them, and their handlers.
 
-The carrier of the messages is another matter: a socket to this machine's server
-(`fuzzyarm.apps.designer.server`), or a page that has its own Python (`fuzzyarm.apps.playground`).
-A message is JSON, an object each way. A window may have several files open: a message about one
-names it, under ``file``. What a window may say are the records of
-`fuzzyarm.apps.designer.requests`, each read by `fuzzyarm.apps.designer.records`: what does not fit
-is refused, and what a handler fails at after that is an internal error
-(`fuzzyarm.apps.designer.faults`). What a window hears are the records of
+Messages are carried elsewhere: by a socket to this machine's server
+(`fuzzyarm.apps.designer.server`), or within a page with its own Python
+(`fuzzyarm.apps.playground`). A message is a JSON object, in both directions. A window may have
+several files open: a message about one names it, under ``file``. Messages of a window are the
+records of `fuzzyarm.apps.designer.requests`, each read by `fuzzyarm.apps.designer.records`: an
+invalid one is refused, and a later failure of its handler is an internal error
+(`fuzzyarm.apps.designer.faults`). Messages to a window are the records of
 `fuzzyarm.apps.designer.messages`.
 """
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 def _later(module: str, function: str) -> Work:
-    """Return work whose module is loaded when it begins: few pages want all of it."""
+    """Return work with its module loaded at its begin: few pages need all of them."""
 
     def work(session: Session, request: Any, job: WindowJob) -> None:
         getattr(import_module(f"fuzzyarm.apps.designer.{module}"), function)(session, request, job)
@@ -73,12 +73,12 @@ WORKS: dict[str, Work] = {
 
 
 class Window:
-    """A page that is connected.
+    """A connected page.
 
     Parameters
     ----------
     send : callable
-        Sends a text; to a window that has gone it does nothing.
+        Sends a text; without effect on a closed window.
     """
 
     def __init__(self, send: Callable[[str], Awaitable[None]]) -> None:
@@ -107,7 +107,7 @@ MOST_JOBS = 32
 
 
 def _too_many(window: Window) -> str:
-    """Return why a window may begin no more work; empty where it may."""
+    """Return why a window may begin no more work; empty if it may."""
     if len(window.jobs) < MOST_JOBS:
         return ""
     return f"{len(window.jobs)} works of this window are going on, no more are begun: stop some"
@@ -144,7 +144,7 @@ class OpenFiles:
 
     @cached_property
     def plants(self) -> Plants:
-        """The plants; they bring the loop, which a page may not need."""
+        """The plants; they import the loop, which a page may not need."""
         from fuzzyarm.apps.designer.stage import Plants
 
         return self._plants or Plants()
@@ -174,14 +174,14 @@ class OpenFiles:
             wrong = error_of(error, f"the message {message.get('do')!r}")
             await window.tell(_refusal(message, wrong))
 
-    # What follows does what a window says: a record, and the message itself, of which the record of
+    # The handlers of a window's messages: a record, and the message itself, of which the record of
     # a question or of work is one more reading.
 
     async def _close(self, window: Window, request: requests.OfFile, _: dict[str, Any]) -> None:
         await self._leave(window, request.file)
 
     async def _leave(self, window: Window, name: str) -> None:
-        """Have a window show a file no more; the next one that does writes it."""
+        """Close a file in a window; the next window with it becomes the writer."""
         window.files.discard(name)
         if self._writers.get(name) is window:
             del self._writers[name]
@@ -189,7 +189,7 @@ class OpenFiles:
                 await self._give(name, heir)
 
     async def _write(self, window: Window, request: requests.OfFile, _: dict[str, Any]) -> None:
-        """Let a window write a file that it has followed."""
+        """Make a reading window the writer of a file."""
         if request.file in window.files:
             await self._give(request.file, window)
 
@@ -234,13 +234,13 @@ class OpenFiles:
             window.jobs[request.id].stop()
 
     def _why_not(self, _what: str) -> str:
-        """Return why long work cannot be done here; empty where it can."""
+        """Return why long work is not possible here; empty if it is."""
         return ""
 
     async def _start(
         self, window: Window, request: requests.StartWork, message: dict[str, Any]
     ) -> None:
-        """Begin long work beside the answering; the text is the one of now."""
+        """Begin long work on the present text, beside the answers."""
         shared, works = self.workspace.text(request.file), {**WORKS, **self.works}
         if request.what not in works:
             raise MessageError("is not a kind of work", "what")
@@ -264,11 +264,11 @@ class OpenFiles:
         self._hold(run())
 
     def _on(self, name: str) -> list[Window]:
-        """Return the windows that have a file open."""
+        """Return the windows with a file open."""
         return [window for window in self.windows if name in window.files]
 
     def _hold(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run something beside the answering; a task that nobody holds may be dropped."""
+        """Run something beside the answers; asyncio drops a task without a reference."""
         task = asyncio.create_task(work)
         self._running.add(task)
         task.add_done_callback(self._running.discard)
@@ -299,27 +299,27 @@ class OpenFiles:
         if what == "import":
             dropped = read_record(requests.Import, message)
             return await self._imported(dropped.name, _decoded(dropped.data))
-        if what == "convert":  # a file of another program in the folder
+        if what == "convert":  # a foreign file in the folder
             name = read_record(requests.Convert, message).name
             return await self._imported(name, self.workspace.foreign_data(name))
         return self.workspace.answer(message)
 
     def _judged(self, form: requests.FormQuestion) -> dict[str, Any]:
-        """Return the mistake in a form that is being filled in."""
+        """Return the mistake in a partly filled form."""
         from fuzzyarm.apps.designer.forms import judged
 
         folder = Path(self.workspace.text(form.file).session.path).parent
         return judged(form.form, form.values, folder, self.plants)
 
     async def _moved(self, answer: dict[str, Any]) -> None:
-        """Tell the windows which file has another name now, or none, and go on with its check."""
+        """Send the new name of a file, or its removal, and continue with its check."""
         moved = [(old, new) for old, new in [answer.get("renamed", ("", ""))] if old]
         moved += [(answer["deleted"], "")] if "deleted" in answer else []
         messages_sent = []
         for old, new in moved:
             check = self._checks.pop(old, None)
             if check is not None:
-                check.cancel()  # nobody has the old name open any more
+                check.cancel()  # no window has the old name open any more
             writer = self._writers.pop(old, None)
             if writer is not None and new:
                 self._writers[new] = writer
@@ -358,7 +358,7 @@ class OpenFiles:
         window.files.add(name)
         before = shared.version
         if request.wrote and (request.epoch != shared.epoch or request.version == before):
-            await self._return(name, window)  # nobody has typed meanwhile, or it is to decide
+            await self._return(name, window)  # no edit meanwhile, or on the window's decision
         writes = self._writers.setdefault(name, window) is window
         if request.epoch == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(request.version)
@@ -423,7 +423,7 @@ class OpenFiles:
         if number is not None:
             answer = {"is": "answer", "id": number}
             await window.tell({**answer, "error": wrong} if wrong else answer)
-        elif wrong:  # last: the state of the file would take its place
+        elif wrong:  # last: the state of the file would replace it
             await window.tell({"is": "failed", "file": name, "message": f"not saved: {wrong}"})
 
     async def _changed(
@@ -435,7 +435,7 @@ class OpenFiles:
         disk: bool = False,
         reread: bool = False,
     ) -> None:
-        """Tell all windows on a file the changes since a version, and check it again."""
+        """Send the changes of a file since a version to its windows, and check it again."""
         updates = shared.since(before) or []
         news: list[dict[str, Any]] = [{"is": "status", **shared.status, "reread": reread}]
         if disk:  # the text on disk may be long, and changes rarely
@@ -451,7 +451,7 @@ class OpenFiles:
         await self._tell_unsaved()
 
     def _check(self, name: str, shared: SharedText) -> None:
-        """Check a text beside the answering of questions; a newer text takes its turn."""
+        """Check a text beside the answers; a newer text replaces it."""
         running = self._checks.get(name)
         if running is not None and not running.done():
             return  # it looks at the version again when it is done
@@ -465,7 +465,7 @@ class OpenFiles:
                 message: Mapping[str, Any]
                 try:
                     message = await aside(question, copy)
-                except Exception as error:  # nobody else would say why nothing is drawn
+                except Exception as error:  # the only report of why nothing is drawn
                     words = internal_words(error, f"checking {name}")
                     message = {"is": "failed", "message": words, "internal": True}
                 if copy.version != shared.version:
@@ -477,14 +477,14 @@ class OpenFiles:
                 return
 
     async def _tell_names(self, names: list[str], windows: list[Window]) -> None:
-        """Tell windows which files there are: some have come or gone."""
+        """Send the names of the files after one has appeared or gone."""
         first = "" if not names else await aside(self.workspace.first)
         news: Names = {"is": "names", "names": names, "first": first}
         for window in windows:
             await window.tell(news)
 
     async def _tell_unsaved(self) -> None:
-        """Tell the windows which files have unsaved changes, if they are others than before."""
+        """Send the names of the files with unsaved changes, if they have changed."""
         names = self.workspace.unsaved()
         if names == self._unsaved:
             return
@@ -523,7 +523,7 @@ class OpenFiles:
                 internal_words(error, doing)
 
     async def _look_at(self, name: str) -> None:
-        """Tell the windows on a file the text that another program has written."""
+        """Send a text written by another program to the windows on its file."""
         shared = self.workspace.opened(name)
         before = shared.version if shared else 0
         if shared and shared.look():
@@ -536,7 +536,7 @@ class OpenFiles:
         self._hold(self._welcome(window))
 
     async def _welcome(self, window: Window) -> None:
-        """Tell a window which files there are, and which are unsaved."""
+        """Send a window the names of the files, and which are unsaved."""
         window.follows = True
         await self._tell_names(self.workspace.files(), [window])
         await window.tell({"is": "unsaved", "names": self.workspace.unsaved()})
@@ -578,7 +578,7 @@ def _decoded(data: str) -> bytes:
 
 
 def _refusal(message: dict[str, Any], wrong: dict[str, Any]) -> dict[str, Any]:
-    """Return the refusal of a message, for whoever waits for its answer."""
+    """Return the refusal of a message, for the sender that waits for its answer."""
     if message.get("do") in ("ask", "save", "folder") and "id" in message:
         return {"is": "answer", "id": message["id"], **wrong}
     of_file = {"file": message["file"]} if "file" in message else {}

@@ -1,8 +1,8 @@
 """Proofs in the page: the verdicts of ``fuzzyarm prove`` on the open text, with pictures.
 
-Without a choice the `prove` lines of the text are judged. Of a rule base one may have the range of
-an output, its slopes, its sectors or the error of a table bounded; of a controller a claim about
-its loop, as a line would say it, all runs for a time, or the sectors of its drives.
+Without a choice the `prove` lines of the text are judged. Choices for a rule base: bounds of an
+output, its slopes, its sectors, or the error of a table; for a controller: a claim about its loop,
+as in a line, all runs for a time, or the sectors of its drives.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ BUDGET = 60.0
 
 
 def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell the form, and the claims and outputs of the text."""
+    """Send the form, and the claims and outputs of the text."""
     _refuse_table(session)
     controller, rulebase = session.reading.parsed.controller, session.reading.parsed.rulebase
     outputs: list[str] = []
@@ -70,7 +70,7 @@ def _form(*, is_loop: bool) -> RequestForm[ProveRequest]:
 
 
 def prove(session: Session, record: ProveWork, job: WindowJob) -> None:
-    """Judge the claims; each verdict is sent as soon as it is known."""
+    """Judge the claims; each verdict is sent as soon as known."""
     from fuzzyarm.proof.loop.orders import require_sensible
 
     _refuse_table(session)
@@ -132,7 +132,7 @@ def _table(word: str | None, job: WindowJob) -> str | None:
 
 
 def _prove_sectors(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> None:
-    """Tell between which multiples of its inputs an output lies."""
+    """Report the sector of an output: the multiples of its inputs that bound it."""
     from fuzzyarm.apps.show.proofs import sector_lines
     from fuzzyarm.apps.show.sector import rulebase_sectors, sector_chart
     from fuzzyarm.proof.loop.orders import sectors_of
@@ -168,12 +168,12 @@ class _LoopProof:
         wants_certificate: bool,
     ) -> None:
         self.text, self.job = text, job
-        # Only plants that were named on the command line run here.
+        # Only plants named on the command line run here.
         self.request = request.replaced(trust=True)
         self.wants_certificate = wants_certificate
 
     def run(self) -> None:
-        """Judge, and tell."""
+        """Judge, and report."""
         request = self.request
         if request.sector:
             self._sectors()
@@ -204,7 +204,7 @@ class _LoopProof:
         return [replace(claim, plant=self._named(claim.plant)) for claim in self.text.claims]
 
     def _with_plant(self) -> ProveRequest:
-        """Return the request on the plant that it names, or that the controller has the axes of."""
+        """Return the request on its named plant, or on that with the controller's axes."""
         if self.request.plant:
             return self.request
         return self.request.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
@@ -243,7 +243,7 @@ class _LoopProof:
         return self._written(found)
 
     def _written(self, certificate: Certificate) -> bytes:
-        """Return the file of a certificate, which is to be beside the controller."""
+        """Return the file of a certificate, beside the controller."""
         from fuzzyarm.proof.check.certificate import certificate_bytes
 
         return certificate_bytes(replace(certificate, controller=Path(self.text.path).name), "")
@@ -306,7 +306,7 @@ class _LoopProof:
 
 
 def _charts(text: ControllerText, verdict: LoopVerdict, plant: Any) -> list[Chart]:
-    """Return the pictures of a verdict: its tube, or the region that is never left."""
+    """Return the pictures of a verdict: its tube, or its invariant region."""
     from fuzzyarm.apps.show.region import region_chart
     from fuzzyarm.apps.show.tube import tube_chart
 
@@ -319,7 +319,7 @@ def _charts(text: ControllerText, verdict: LoopVerdict, plant: Any) -> list[Char
 
 
 def opened_loop(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell the form and the plants."""
+    """Send the form and the plants."""
     plants = plants_for(_loop_of(session).model, job.plants)
     job.tell({"plants": plants, "form": MARGINS.fields()})
 
@@ -334,7 +334,7 @@ def _loop_of(session: Session) -> ControllerText:
 
 
 def margins(session: Session, record: FormWork, job: WindowJob) -> None:
-    """Linearise the loop, and tell its margins at each drive."""
+    """Linearise the loop, and send its margins at each drive."""
     from fuzzyarm.apps.show.margins import margin_lines, margins_chart
     from fuzzyarm.proof.loop.orders import margins_of_text
 

@@ -1,8 +1,7 @@
-"""Records read from messages: JSON becomes a frozen dataclass, or an error says why not.
+"""Records read from messages: from JSON to a frozen dataclass, or an error with the reason.
 
-Whatever arrives through the socket is judged here, before any handler sees it. So what a handler
-fails at afterwards is a fault of the program (`fuzzyarm.apps.designer.faults`), never of the
-message.
+Every message of the socket is judged here, before its handler. So a later failure of the handler is
+a fault of the program (`fuzzyarm.apps.designer.faults`), never of the message.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ LONGEST_SHOWN = 40
 
 
 class Absent(Enum):
-    """The value of a field that a message does not have, where null means something else."""
+    """The value of a field missing from a message, if null has another meaning."""
 
     ABSENT = "absent"
 
@@ -34,7 +33,7 @@ ABSENT = Absent.ABSENT
 
 
 class MessageError(FuzzyarmError, ValueError):
-    """A message of a page that does not have the form of its record.
+    """A message of a page in the wrong form for its record.
 
     Attributes
     ----------
@@ -95,7 +94,7 @@ def _read(annotation: Any, value: Any, where: str) -> Any:
 
 
 def _one_of(kinds: tuple[Any, ...], value: Any, where: str) -> Any:
-    """Read a value by the first kind of a union that takes it."""
+    """Read a value by the first kind of a union that accepts it."""
     if value is None and NoneType in kinds:
         return None
     rest = [kind for kind in kinds if kind not in (NoneType, Absent)]

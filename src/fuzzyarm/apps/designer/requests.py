@@ -1,6 +1,6 @@
-"""Messages of a page, a record each: commands, questions, long work, and words to such work.
+"""Messages of a page, a record each: commands, questions, long work, and messages to such work.
 
-The socket speaks JSON, an object each way. ``do`` of an object names its record in `COMMANDS`;
+Messages are JSON objects, in both directions. ``do`` of an object names its record in `COMMANDS`;
 ``what`` of a question or of work names one more, in `TEXT_QUESTIONS`, `FOLDER_QUESTIONS` or
 `WORKS`.
 `fuzzyarm.apps.designer.records` reads them, `tools/message_types.py` prints them as types for the
@@ -22,7 +22,7 @@ Pair = tuple[str, str]
 """A variable and a term."""
 
 FormValue = bool | float | str | tuple[str, ...] | None
-"""A value as a form has it; the request's reader says what is wrong with it, at its field."""
+"""A value of a form; the request's reader reports a mistake at its field."""
 
 FormValues = Mapping[str, FormValue]
 """The fields of a request by name (`fuzzyarm.apps.designer.forms`)."""

@@ -1,12 +1,11 @@
-"""A controller that runs while it is watched: the long work behind the view *Run*.
+"""A running controller for the view *Run*, as long work.
 
 A run is stepped by the loop of ``fuzzyarm simulate`` in parts that last as long as a picture is
 shown; between two parts the user may pause it, push the plant, move a gain, or change the text.
 
-What the user does meanwhile is a `RunWord`. The page hears, under ``news``: ``ready`` (what is
-drawn), ``samples`` (what came since the last ones, with the picture), ``metrics``, ``reached``,
-``over``, ``text`` (whether a text was taken up) and ``note`` (with ``field``, where a field of the
-page is wrong).
+Actions of the user are `RunWord` messages. News to the page, under ``news``: ``ready`` (the
+drawing), ``samples`` (since the last ones, with the picture), ``metrics``, ``reached``, ``over``,
+``text`` (whether a new text runs) and ``note`` (with ``field`` for a wrong field of the page).
 
 A run with ``until`` stands still at that time, with all of it in view; to go on, or a hand that
 pushes the plant, takes it further. One with ``duration`` is over then.
@@ -75,7 +74,7 @@ WINDOW_POINTS = 1_500
 """Points of a curve that fit into the window of time."""
 
 MOST_AT_ONCE = 250
-"""Points of a curve that go with one picture: to write them is what takes the time."""
+"""Points of a curve in one picture: their text takes most of the time."""
 
 FASTEST = 1e9
 
@@ -97,7 +96,7 @@ class Running:
         LiveRun(self.plants, session, request, job).go_on()
 
     def describe(self, session: Session, request: PlantsWork, job: WindowJob) -> None:
-        """Tell which plants there are, and which of them the text fits."""
+        """Send the plants, and which of them suit the text."""
         text = session.text if request.text is None else request.text
         if session.path.lower().endswith(".lut"):
             raise TextRefusedError(
@@ -122,7 +121,7 @@ class Running:
                 "chosen": chosen or next(iter(fitting), ""),
                 # As the command chooses it; a rule base runs on the plant of its controller.
                 "likely": site.name if site is not None else "",
-                # A rule base takes the place of that of a controller of the catalogue.
+                # A rule base replaces that of a controller of the catalogue.
                 "direct": "" if _is_in(controller, text) else controller.name,
                 "alone": is_rule_base(text, session.path),
                 "form": RUN.fields(),
@@ -142,7 +141,7 @@ def controller_of(text: str, path: str) -> CompiledController:
 
 
 def _uses(text: str, path: str) -> list[str]:
-    """Return the files that a controller uses, as they are saved."""
+    """Return the saved files that a controller uses."""
     model = parse(text, path).controller
     return sorted({file for use in model.uses for file in use.files}) if model else []
 
@@ -159,14 +158,14 @@ def _is_in(controller: CompiledController, text: str) -> bool:
 
 
 def source_of(controller: CompiledController) -> ControllerText:
-    """Return the text that a controller was read from."""
+    """Return the source text of a controller."""
     law = text_law_of(controller)
     assert law is not None
     return law.text
 
 
 class LiveRun:
-    """A run that a page watches.
+    """A run watched by a page.
 
     Parameters
     ----------
@@ -185,7 +184,7 @@ class LiveRun:
         self.request = request
         self.text = session.text
         self.gains: dict[str, list[float]] = {}  # moved by hand, and not in the text (yet)
-        self.ranges: dict[Hashable, Range] = {}  # of sliders; a slider keeps its own
+        self.ranges: dict[Hashable, Range] = {}  # of sliders; a slider keeps its range
         self.speed = _speed(request.speed)
         self.paused = request.paused
         self.pull = (0.0, 0.0)
@@ -195,7 +194,7 @@ class LiveRun:
     # --- The loop ---
 
     def _begin(self) -> None:
-        """Make everything of the text as it is now, and tell the page."""
+        """Prepare everything from the present text, and report to the page."""
         self.controller = controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()
@@ -219,7 +218,7 @@ class LiveRun:
         self.last_state: tuple[Any, ...] = ()
         self.is_timed = words.duration is not None
         self._tell_ready(name)
-        self.run.advance(1)  # so that there is something to be seen
+        self.run.advance(1)  # for a first picture
         self._show()
         self._anchor()
 
@@ -281,13 +280,13 @@ class LiveRun:
             before, count = self.run.seconds, until - self.run.next
             self.run.advance(until)
             spent = max(self.run.seconds - before, 1e-6)
-            # The first call of a kernel may compile it: that tells nothing of the next.
+            # The first call of a kernel may compile it: no measure of the next.
             self.rate_of_loop += 0.5 * (min(count / spent, 1e7) - self.rate_of_loop)
         if self.until is not None and self.run.next >= self.until and not self.run.over:
-            # A hand that pushes the plant takes it further: it comes back when it is let go.
+            # A push takes the plant further: it comes back after the release.
             self.paused = self.reached = not any(self.pull)
             self.until = None
-        if late > 0.25 * self.speed / samples:  # it cannot keep up
+        if late > 0.25 * self.speed / samples:  # too slow
             if self.speed < FASTEST:
                 self.behind = now
             self._anchor()
@@ -297,7 +296,7 @@ class LiveRun:
         self.anchor, self.anchor_at = time.perf_counter(), float(self.run.next)
 
     def _hold(self) -> None:
-        """Have the hand's pull act: where the plant is now."""
+        """Apply the pull of the hand at the plant's present position."""
         loads = {}
         if any(self.pull) and len(self.run.record.rows):
             loads = loads_of(self.plant, self._scene(), self.loop.site.interface, *self.pull)
@@ -336,13 +335,13 @@ class LiveRun:
             self._try_again(before)
 
     def _pull(self, x: float, y: float) -> None:
-        """Let the user push the plant; a run that has reached its time continues."""
+        """Apply the user's push to the plant; a run at its time limit continues."""
         self.pull = (x, y)
         if self.reached and any(self.pull):
             self.paused = self.reached = False
 
     def _try_again(self, before: Mapping[str, Any]) -> None:
-        """Begin anew; where that does not work all is as it was before, and the page says why."""
+        """Begin anew; on failure restore the state before, and report the reason."""
         try:
             self._begin()
         except (FuzzyarmError, OSError) as error:
@@ -361,7 +360,7 @@ class LiveRun:
         self.gains = gains
 
     def _take_text(self) -> None:
-        """Go on with the text as it is now, where that is possible."""
+        """Continue with the present text, if possible."""
         try:
             controller = controller_of(self.text, self.path)
             moved = {name: gain for name, gain in self.gains.items() if name in controller.gains}
@@ -377,7 +376,7 @@ class LiveRun:
         self.job.tell({"news": "text", "taken": True, "gains": self._gains()})
 
     def _forget_written(self) -> None:
-        """Drop gains set by the user that the text has now; keep those that it cannot have."""
+        """Drop the user's gains that the text has now; keep those that it cannot have."""
         declared = {gain.name for gain in self._own_gains()}
         self.gains = {name: gain for name, gain in self.gains.items() if name not in declared}
 
@@ -385,7 +384,7 @@ class LiveRun:
         """Return the gains of the text: none for a rule base."""
         return source_of(self.controller).model.gains if _is_in(self.controller, self.text) else ()
 
-    # --- The files that the controller uses ---
+    # --- The files of the controller ---
 
     def _used(self) -> dict[Path, int]:
         folder = home_of(self.path)
@@ -394,7 +393,7 @@ class LiveRun:
         return {path: path.stat().st_mtime_ns for path in files if path.exists()}
 
     def _look_at_files(self) -> None:
-        """Take up changes of the files that the controller uses."""
+        """Apply changes of the files that the controller uses."""
         now = time.perf_counter()
         if now - getattr(self, "_looked", -1.0) < 0.5:
             return
@@ -422,7 +421,7 @@ class LiveRun:
         ]
 
     def _range(self, name: str, gain: Gain, tune: Any) -> dict[str, Any]:
-        """Return the range of a gain's slider: as at first, wider where the value leaves it."""
+        """Return the range of a gain's slider: the first one, widened for its value."""
         key = (name, tune, gain.bounds)
         low, high, log = self.ranges.setdefault(key, _first_range(gain, tune))
         low, high = min(low, *gain.value), max(high, *gain.value)
@@ -471,7 +470,7 @@ class LiveRun:
         )
 
     def _window(self, period: float) -> float:
-        """Return how much of a run without an end stays in view, s."""
+        """Return the visible duration of an unlimited run, s."""
         word = self.request.window
         if not word:
             return self.plant.duration or 1000 * period
@@ -479,7 +478,7 @@ class LiveRun:
             return max(period, seconds_of(word))
 
     def _show(self) -> None:
-        """Tell the samples since the last time, and the picture."""
+        """Send the samples since the last time, and the picture."""
         rows = self.run.record.rows
         state = {
             "time": short(self._time(len(rows)), 9),
@@ -487,7 +486,7 @@ class LiveRun:
             "behind": time.perf_counter() - self.behind < 1.0,
         }
         if len(rows) > self.sent:
-            # Samples that have left the window are not sent.
+            # Samples outside the window are not sent.
             first = max(self.sent, len(rows) - self.window)
             news = {"news": "samples", **state, **self._curves(rows[first:], first)}
             self.sent = len(rows)
@@ -536,7 +535,7 @@ class LiveRun:
         return curves
 
     def _measure(self) -> None:
-        """Tell the metrics so far, now and then: they are those of the whole run."""
+        """Send the metrics of the whole run so far, now and then."""
         now = time.perf_counter()
         done = self.run.over or self.paused
         wait = min(max(MEASURED_EVERY, 20.0 * self.measuring), LONGEST_WAIT)
@@ -547,7 +546,7 @@ class LiveRun:
         metrics_now = self.loop.answer(self.run).metrics
         is_first, self.measured_at = self.measured_at < 0, self.run.next
         self.measured = time.perf_counter()
-        # The first time brings its modules along, which says nothing about the next one.
+        # The first time imports modules: no measure of the next one.
         self.measuring = 0.0 if is_first else self.measured - now
         metrics = {
             name: {k: None if v is None else short(v, 5) for k, v in value.to_dict().items()}
@@ -557,7 +556,7 @@ class LiveRun:
         self.job.tell({"news": "metrics", "metrics": metrics, "at": at})
 
     def _end(self) -> dict[str, Any]:
-        """Return how the run ended, in words for the page."""
+        """Return the end of the run, in words for the page."""
         stopped = self.run.record.diverged()
         if stopped is None:
             return {"how": "finished", "at": short(self._time(self.run.next))}
@@ -578,7 +577,7 @@ def _columns(values: NDArray[np.float64]) -> list[list[float | None]]:
 
 
 def _speed(speed: float | None) -> float:
-    """Return how fast it runs, simulated for real time; None is as fast as possible."""
+    """Return the speed, simulated for real time; None is the greatest possible."""
     if speed is not None and not speed > 0.0:
         raise MessageError("must be positive", "speed")
     return FASTEST if speed is None else min(speed, FASTEST)

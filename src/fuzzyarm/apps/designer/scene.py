@@ -102,13 +102,13 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
         "missing": _missing(rulebase, reading),
         "numbers": numbers,
         "kinds": KINDS,
-        "functions": functions.described,  # those of the curves to be drawn among them
+        "functions": functions.described,  # with those of drawn curves
         "reason": reason,
     }
 
 
 def _missing(rulebase: RuleBase, reading: Reading) -> list[str]:
-    """Return the parts that a picture still needs; a grid of dots has no rules."""
+    """Return the parts missing from a picture; a grid of dots has no rules."""
     found = [diagnostic.name for diagnostic in reading.parsed.diagnostics]
     return [name for name in found if name in INCOMPLETE] or (
         [] if rulebase.rules else ["no-rules"]

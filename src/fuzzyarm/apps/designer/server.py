@@ -72,7 +72,7 @@ class AccessGuard:
 
 
 def _host_name(host: str) -> str | None:
-    """Return the name in a `Host`; None where it is not one."""
+    """Return the name in a `Host`; None for an invalid one."""
     try:
         return urlsplit(f"//{host}").hostname
     except ValueError:
@@ -120,11 +120,11 @@ def token_for(folder: Path) -> str:
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
 OWN_PORTS = range(20_000, 30_000)
-"""Of folders: below those that systems give to connections."""
+"""Ports of folders: below those that systems assign to connections."""
 
 
 class ServerPortError(FuzzyarmError, OSError):
-    """A port that is taken, or that may not be used."""
+    """A port that is taken or forbidden."""
 
 
 class Designer(OpenFiles):
@@ -221,7 +221,7 @@ class Designer(OpenFiles):
     async def _socket(self, socket: WebSocket) -> None:
         await socket.accept()
 
-        async def send(text: str) -> None:  # a window that has gone hears nothing
+        async def send(text: str) -> None:  # nothing to a closed window
             with contextlib.suppress(WebSocketDisconnect, RuntimeError, anyio.ClosedResourceError):
                 await socket.send_text(text)
 
@@ -238,7 +238,7 @@ class Designer(OpenFiles):
 
 
 def _bound(listening: socket.socket, port: int | None, token: str) -> None:
-    """Bind to a port; by default to the one of the token, so that open pages find back."""
+    """Bind to a port; by default to the one of the token, so that open pages reconnect."""
     usual_port = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(
         OWN_PORTS
     )

@@ -1,10 +1,10 @@
-"""An open file that several windows share: its text, its versions, and the file on disk.
+"""An open file shared by windows: its text, its versions, and the file on disk.
 
-The text here is the one that counts. A window sends its changes with the version that they are
-made for; a late change is not taken, and the window puts it on top of those it missed. The file on
-disk is read again when another program has written it. Where nothing was unsaved its text is taken;
-else, or where it cannot be read, there is a conflict, which is shown until a person decides. A file
-that is gone is said to be. Nothing is overwritten in silence.
+The text here is authoritative. A window sends its changes with their base version; a late change is
+refused, and the window rebases it on those it missed. The file on disk is read again after another
+program has written it. Without unsaved changes its text is adopted; otherwise, or if it is
+unreadable, there is a conflict, shown until a person decides. A missing file is reported. Nothing
+is overwritten silently.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ from fuzzyarm.language.model.rulebase import RuleBase, Shape
 from fuzzyarm.symbolic.kinds import SHAPES
 
 LONGEST_HISTORY = 2_000
-"""Changes that are kept for windows that fell behind; an older window gets the whole text."""
+"""Changes stored for windows that fell behind; an older window gets the whole text."""
 
 MOST_FINDINGS = 200
 """Findings that a page shows; repairs are looked for of each."""
@@ -81,18 +81,18 @@ class ConflictError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True)
 class Conflict:
-    """A text that conflicts with the one here until a person decides.
+    """A text in conflict with the one here until a person decides.
 
     Attributes
     ----------
     text : str or None
-        The other text; None where the file on disk cannot be read.
+        The other text; None for an unreadable file.
     why : str
         Why it cannot.
     on_disk : bool
         Whether it is the text on disk, and not that of another window since a restart.
     both : str or None
-        The text with the changes of both; None where they touch the same lines.
+        The text with the changes of both; None if they touch the same lines.
     """
 
     text: str | None
@@ -109,7 +109,7 @@ class SharedText:
     path : Path
         The file.
     text : str, optional
-        The text that a window has of a file that is gone; else it is read.
+        A window's text of a missing file; by default the file is read.
 
     Attributes
     ----------
@@ -120,13 +120,13 @@ class SharedText:
     epoch : str
         Which opening this is: versions of another one mean nothing.
     saved : str
-        The text that is on disk, as far as is known.
+        The text on disk, as far as known.
     is_there : bool
         Whether there is a file.
     is_typed : bool
         Whether a window has changed the text since it was opened.
     conflict : Conflict or None
-        A text that somebody else wrote while something here was unsaved.
+        A text written by another program over unsaved changes here.
     """
 
     def __init__(self, path: Path, text: str | None = None) -> None:
@@ -149,7 +149,7 @@ class SharedText:
 
     @property
     def text(self) -> str:
-        """The text as it is now."""
+        """The present text."""
         return self.session.text
 
     @property
@@ -168,11 +168,11 @@ class SharedText:
     # --- Changes ---
 
     def push(self, version: int, updates: Sequence[Mapping[str, Any]]) -> bool:
-        """Take changes of a window; False where they are made for another version."""
+        """Apply changes of a window; False if made for another version."""
         if version != self.version:
             return False
         text = self.text
-        # All are applied before one is kept: a change that does not fit leaves nothing half done.
+        # All are applied before any is stored: an invalid change leaves nothing half done.
         for update in updates:
             text = applied(text, update.get("changes"))
         for update in updates:
@@ -183,7 +183,7 @@ class SharedText:
         return True
 
     def since(self, version: int) -> list[dict[str, Any]] | None:
-        """Return the changes from a version on; None where they are not known any more."""
+        """Return the changes from a version on; None if they are no longer stored."""
         oldest = self.version - len(self.updates)
         if not oldest <= version <= self.version:
             return None
@@ -194,13 +194,13 @@ class SharedText:
         del self.updates[:-LONGEST_HISTORY]
 
     def replace(self, text: str, who: str) -> None:
-        """Put another text in the place of this one, as a change."""
+        """Replace the text, as a change."""
         if text != self.text:
             self.push(self.version, [{"clientID": who, "changes": difference(self.text, text)}])
 
     def resume(self, text: str, known: Sequence[str]) -> None:
-        """Take the text of the window that wrote here before the server was started again."""
-        if text == known[0]:  # it has nothing of its own
+        """Restore the text of the window that wrote here before a restart of the server."""
+        if text == known[0]:  # it has no changes
             text = self.text if self.is_typed else self.saved
         elif self.is_typed and text != self.text:
             self.conflict = Conflict(self.text, on_disk=False)
@@ -209,7 +209,7 @@ class SharedText:
         self.replace(text, RESUMED)
 
     def remember(self, text: str, saved: str) -> None:
-        """Take the text of a reading window where it is newer than all others."""
+        """Adopt the text of a reading window if it is newer than all others."""
         if self.version == 0 and saved == self.saved:
             self.replace(text, RESUMED)
 
@@ -245,7 +245,7 @@ class SharedText:
             raise OutsideError(f"'{self.path.name}' now links to a file outside the folder")
 
     def _take(self, disk: str) -> None:
-        """Take the text on disk, or note its conflict with unsaved changes here."""
+        """Adopt the text on disk, or note its conflict with unsaved changes here."""
         if disk not in (self.saved, self.text) and self.text != self.saved:
             self.conflict = Conflict(disk, both=merged(self.saved, self.text, disk))
             return
@@ -260,7 +260,7 @@ class SharedText:
             self.conflict = None
 
     def save(self) -> None:
-        """Write the file; one that is gone is written anew."""
+        """Write the file; a missing one anew."""
         self.look()
         if self.conflict is not None:
             why = f": {self.conflict.why}" if self.conflict.why else ""
@@ -286,7 +286,7 @@ class SharedText:
     def settle(self, keep: str) -> None:
         """End a conflict; the next save writes the differences to the file.
 
-        A file that cannot be read has nothing to be taken: it is written over at once.
+        An unreadable file has no text to adopt: it is overwritten at once.
         """
         conflict = self.conflict
         if conflict is None:
@@ -336,7 +336,7 @@ class SharedText:
         }
 
     def scene(self, session: Session) -> SceneMessage:
-        """Return the picture of a session's text; nothing where it has mistakes."""
+        """Return the picture of a session's text; None with mistakes."""
         reading = session.reading
         scene: Scene | None = None
         rulebase: RuleBase | None = None
@@ -355,7 +355,7 @@ class SharedText:
         }
 
     def _diagram(self, reading: Any, rulebase: RuleBase | None) -> SceneDiagram | None:
-        """Return the block diagram of a controller without mistakes of its own, or of the rules."""
+        """Return the block diagram of a controller without own mistakes, or of the rules."""
         controller = reading.parsed.controller if isinstance(reading, Reading) else None
         if controller is None and rulebase is None:
             return None
@@ -461,7 +461,7 @@ class SharedText:
         return self._edits(set_shapes(self._rules, shapes))
 
     def _term(self, request: requests.TermEdit) -> dict[str, Any]:
-        """Add a term, remove one, or give it another name or kind."""
+        """Add, remove, rename or convert a term."""
         place = self._rules, request.variable, request.term
         if request.kind is not None:
             return self._edits(set_kind(*place, request.kind))
@@ -472,7 +472,7 @@ class SharedText:
         return self._edits(remove_term(*place))
 
     def _variable(self, request: requests.VariableEdit) -> dict[str, Any]:
-        """Add a variable, remove one, or give it another name."""
+        """Add, remove or rename a variable."""
         reading, variable = self._rules, request.variable
         if request.role is not None:
             ends = request.low, request.high
@@ -531,7 +531,7 @@ class SharedText:
         return {"forms": forms_of(self.session)}
 
     def _movable(self, _request: requests.BareMessage) -> dict[str, Any]:
-        """Write into the text what tuning moves where nothing is said, and ranges of gains."""
+        """Write the default movable numbers of tuning, and ranges of gains, into the text."""
         from fuzzyarm.learning.tuning.design import default_ranges, everything
 
         reading = self.session.reading
@@ -548,7 +548,7 @@ class SharedText:
         return self._edits(edits)
 
     def _merge(self, request: requests.Merge) -> dict[str, Any]:
-        """Bring the change from one text to another into the text as it is now."""
+        """Apply the change from one text to another to the present text."""
         both = merged(request.old, self.text, request.new)
         if both is None:
             return {"error": "the same lines of the text have changed meanwhile"}

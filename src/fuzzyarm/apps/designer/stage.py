@@ -61,7 +61,7 @@ class Plants:
 
 
 def step_of(plant: str, port: str) -> str:
-    """Return the reference that a page offers for a port of a plant."""
+    """Return the default reference of a page for a port of a plant."""
     return f"{port}=step:{STEPS.get(plant, 1):g}"
 
 
@@ -92,7 +92,7 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
 # --- Actions of the user ---
 #
 # A pull is an arrow of a length between -1 and 1 each way. It becomes loads of inputs, which the
-# loop adds behind the limits of the drives: the same as --disturb.
+# loop adds after the limits of the drives: the same as --disturb.
 
 TIP_FORCE = 60.0
 """With which the tip of the arm is pulled at most, N: some times its weight."""

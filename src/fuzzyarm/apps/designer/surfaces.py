@@ -28,11 +28,11 @@ class NothingToComputeError(FuzzyarmError, ValueError):
 
 
 def surface(session: Session, request: SurfaceWork, job: WindowJob) -> None:
-    """Tell the firing rules at a point, then an output over two inputs through it."""
+    """Send the firing rules at a point, then an output over two inputs through it."""
     rulebase = getattr(session.reading.parsed, "rulebase", None)  # a table has none
     if not isinstance(rulebase, RuleBase):
         raise NothingToComputeError("the text is not a sound rule base")
-    # Without a value there is a gap, whatever the file says for that case but a number.
+    # Without a value there is a gap, unless the file states a number for no rule.
     gaps = (replace(o, no_rule=math.nan) if isinstance(o.no_rule, str) else o
             for o in rulebase.outputs)  # fmt: skip
     model = replace(rulebase, outputs=tuple(gaps))
@@ -76,7 +76,7 @@ def _at(variables: Sequence[Variable], index: int, field: str) -> Variable:
 
 
 def _ends(variable: Input, ends: tuple[float, float]) -> tuple[float, float]:
-    """Return the ends of an axis: of an unbounded input those that the page draws."""
+    """Return the ends of an axis: of an unbounded input those of its drawing."""
     low, high = ends
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise MessageError("must be a lower and an upper end", "ends")

@@ -27,7 +27,7 @@ MOST_RUNS = 20_000
 
 
 def sweepable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell the form, the plants that fit, and the names of the gains."""
+    """Send the form, the suitable plants, and the names of the gains."""
     controller, model = _controller(session)
     job.tell({
         "plants": plants_for(model, job.plants),
@@ -56,7 +56,7 @@ def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
 
 
 def sweep(session: Session, record: FormWork, job: WindowJob) -> None:
-    """Run, and tell the result."""
+    """Run, and send the result."""
     from fuzzyarm.apps.show.sweep import sweep_lines
     from fuzzyarm.control.loop.sweeps import answered
 

@@ -1,4 +1,4 @@
-"""Tables as a page shows them: a page of cells, and how far a table is from its rules."""
+"""Tables in a page: a page of cells, and the error of a table against its rules."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from fuzzyarm.apps.designer.jobs import WindowJob
 
 MOST_SHOWN = 120
-"""Levels of an axis that are drawn; of more every second, third … one."""
+"""Levels drawn of an axis; of more every second, third … one."""
 
 ACROSS = 121
 """Points of an error map along each input."""
@@ -49,7 +49,7 @@ PROOF_SECONDS = 60.0
 
 
 def table_page(session: Session, page: Sequence[int]) -> dict[str, Any] | None:
-    """Return one page of a table as plain data; None where the text is not a sound table."""
+    """Return one page of a table as plain data; None unless the text is a sound table."""
     reading = session.reading
     table = reading.parsed.table if isinstance(reading, TableText) else None
     if table is None:
@@ -110,10 +110,10 @@ def cell_place(session: Session, cell: Sequence[int]) -> Any:
 
 
 def table_error(session: Session, request: TableErrorWork, job: WindowJob) -> None:
-    """Report how far a table is from direct inference: a map, the worst point, proofs.
+    """Report the error of a table against direct inference: a map, the worst point, proofs.
 
-    Of a rule base the table is compiled as the page asks; a table is compared with the file
-    of the folder that it was compiled from.
+    The table of a rule base is compiled with the page's options; a table is compared with its
+    source file in the folder.
     """
     model = model_of(session)
     options = request.options
@@ -141,7 +141,7 @@ def table_error(session: Session, request: TableErrorWork, job: WindowJob) -> No
 
 
 def _source_of(table: LookupTable, job: WindowJob) -> tuple[RuleBase, str]:
-    """Return the rule base that a table was compiled from, and whether it has changed since."""
+    """Return the rule base of a table, and whether it has changed since."""
     says = dict(table.provenance)
     name = says.get("source", "")
     if not name:
@@ -165,7 +165,7 @@ def _source_of(table: LookupTable, job: WindowJob) -> tuple[RuleBase, str]:
 
 
 def _fidelities(table: LookupTable, rulebase: RuleBase, mode: str) -> tuple[Fidelity, ...]:
-    """Measure and prove a table in the way that it is looked up, and linearly."""
+    """Measure and prove the error of a table, in its lookup mode and linearly."""
     from dataclasses import replace
 
     proof = table_proof(rulebase, table.output)
@@ -202,7 +202,7 @@ def error_map(
         mesh[y] = ys[:, None]
     points = [mesh[name] for name in names]
     truth = evaluate(rulebase, table.output, names, points)
-    # An output that does not depend on y gives one row for all.
+    # An output independent of y has one row for all.
     difference = np.broadcast_to(table.lookup(*points, mode=mode) - truth, truth.shape)
     return {
         "x": x,
@@ -231,7 +231,7 @@ def _held(axis: TableAxis, value: float | None) -> float:
 
 
 def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: WindowJob) -> None:
-    """Report a proved bound of the error of each cell, where there is one."""
+    """Report a proved bound of the error of each cell, if there is one."""
     if len(table.axes) > 2:
         job.tell({"unproved": "cells of more than two inputs are not proved one by one"})
         return

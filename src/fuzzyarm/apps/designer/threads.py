@@ -1,8 +1,8 @@
-"""Where a page is answered: threads beside the answering, or one that waits for its turn.
+"""Concurrency of a page's answers: threads, or turns within one thread.
 
-A server answers in the loop of asyncio and lets what takes long run in threads. The Python of a
-page (Pyodide) has no threads: there long work and the answering take turns, which the browser lets
-them do where it can suspend a function of WebAssembly (JSPI, the JavaScript Promise Integration).
+A server answers in the loop of asyncio and runs long work in threads. The Python of a page
+(Pyodide) has no threads: there long work and answers take turns, in browsers that can suspend a
+function of WebAssembly (JSPI, the JavaScript Promise Integration).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from fuzzyarm.base.lazy import load_packages
 IN_A_PAGE = sys.platform == "emscripten"
 
 TURN = 0.004
-"""Seconds between two looks of work that waits, where there are no threads."""
+"""Seconds between two looks of waiting work, without threads."""
 
 ANSWERING = (
     "fuzzyarm.control.controllers",
@@ -57,7 +57,7 @@ def can_take_turns() -> bool:
 
 
 async def run_to_its_end(function: Callable[[], Result]) -> Result:
-    """Run work that may wait for the user as long as it likes."""
+    """Run work that may wait for the user indefinitely."""
     if IN_A_PAGE:
         await asyncio.sleep(0.0)
         return function()
@@ -66,7 +66,7 @@ async def run_to_its_end(function: Callable[[], Result]) -> Result:
 
     def work() -> None:
         result = function()
-        # Whoever waited may have gone, as where the server ends: then nobody hears of it.
+        # The receiver may be gone, as after the end of the server: then the result is dropped.
         if ended.set_running_or_notify_cancel():
             ended.set_result(result)
 
@@ -88,7 +88,7 @@ def wait_for(telling: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop
 
 
 def _at_once(telling: Coroutine[Any, Any, None]) -> None:
-    """Run a coroutine that tells a page something; it waits for nothing there."""
+    """Run a coroutine that sends a message to a page, without waiting."""
     try:
         telling.send(None)
     except StopIteration:
@@ -110,7 +110,7 @@ class Mailbox(Generic[Letter]):
         self._letters.put(letter)
 
     def take(self, wait: float = 0.0) -> Letter | None:
-        """Return the oldest letter; None where none comes for a while, in seconds."""
+        """Return the oldest letter; None after `wait` seconds without one."""
         if IN_A_PAGE:
             self._let_others(wait)
         try:

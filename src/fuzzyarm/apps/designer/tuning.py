@@ -1,8 +1,8 @@
 """Tuning, watched and stopped by the user: the search of ``fuzzyarm tune`` on the open text.
 
-The search runs in a process of its own, so that key strokes are answered meanwhile, and it gives
-way to the server. A page says ``enough``, which keeps the best so far, and ``take``: the change
-becomes an edit of the text.
+The search runs in a separate process of low priority, so that key strokes are answered meanwhile.
+Words of a page: ``enough``, which keeps the best so far, and ``take``: the change becomes an edit
+of the text.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ NAMES = {"search": "best so far", "linear": "linear PD"}
 """Phase → label of its line."""
 
 POLITE = 5
-"""By how much the search gives way to the server."""
+"""Decrease of the search's priority, in favour of the server."""
 
 
 def subject_of(path: str, text: str) -> ControllerText | RuleBase:
@@ -81,7 +81,7 @@ def subject_of(path: str, text: str) -> ControllerText | RuleBase:
 
 
 def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
-    """Tell whether the text can be tuned, its parameters, and its plants or samples."""
+    """Send whether the text can be tuned, its parameters, and its plants or samples."""
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.learning.tuning import TuneError
     from fuzzyarm.learning.tuning.design import Design, says_what_moves
@@ -115,7 +115,7 @@ class PageOrder(NamedTuple):
     text: str
     request: TuneRequest
     plants: tuple[str, ...]
-    """Plants that were named on the command line."""
+    """Plants named on the command line."""
 
 
 def order_of(session: Session, work: FormWork, job: WindowJob) -> PageOrder:
@@ -174,10 +174,10 @@ def tune(session: Session, request: FormWork, job: WindowJob) -> None:
 
 
 def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
-    """Run the search in a process of its own, and pass on its messages."""
+    """Run the search in a separate process, and pass on its messages."""
     from multiprocessing import get_context
 
-    context = get_context("spawn")  # a fork would copy locks of threads that it does not copy
+    context = get_context("spawn")  # a fork would copy the locks of threads, but not the threads
     here, there = context.Pipe()
     process = context.Process(target=search, args=(there, order), name="fuzzyarm-tune")
     process.start()
@@ -197,7 +197,7 @@ def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
 
 
 def _heard(here: Connection, job: WindowJob, searches: list[dict[str, Any]]) -> dict[str, Any]:
-    """Pass on the messages of the search; return its report, and keep interim ones."""
+    """Pass on the messages of the search; return its report, and store interim ones."""
     while True:
         if any(word.enough for word in job.heard(TuneWord)):
             here.send("enough")
@@ -226,7 +226,7 @@ def _failure(message: str, field: str) -> FuzzyarmError:
 
 
 def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, replace: bool) -> None:
-    """Write rule bases of other files beside the text, and tell the text that has the numbers."""
+    """Write rule bases of other files beside the text, and send the text with the numbers."""
     from fuzzyarm.learning.tuning.text import with_files
 
     first_file, *others = files
@@ -254,7 +254,7 @@ def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, repl
 
 
 def search(pipe: Connection, order: PageOrder) -> None:
-    """Tune, and say through a pipe how it goes; ends with the pipe."""
+    """Tune, and report through a pipe; ends with the pipe."""
     from fuzzyarm.control.loop.blocks import deaf
 
     deaf()
@@ -278,7 +278,7 @@ def search(pipe: Connection, order: PageOrder) -> None:
 
 
 def _listen(pipe: Connection, enough: threading.Event) -> None:
-    """Hear the server; without it nobody waits for the rest."""
+    """Receive from the server; without it there is no reader of the rest."""
     try:
         while pipe.recv() == "enough":
             enough.set()
@@ -307,7 +307,7 @@ def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]
 
 
 def _stage(order: PageOrder, text: ControllerText) -> Stage:
-    """Return where a controller runs, in the words of the page."""
+    """Return the stage of a controller, in the words of the page."""
     from fuzzyarm.apps.designer.stage import Plants
     from fuzzyarm.control.loop.words import driven
     from fuzzyarm.learning.tuning.orders import stage_of_request
@@ -351,7 +351,7 @@ def _reported(tuned: Tuned) -> dict[str, Any]:
 
 
 def _thinned(dots: Dots) -> Dots:
-    """Return some of the dots, evenly, where there are more than can be distinguished."""
+    """Return some of the dots, evenly, if there are too many to distinguish."""
     every = 1 + len(dots.x) // MOST_DOTS
     return replace(dots, x=dots.x[::every], y=dots.y[::every])
 
@@ -373,7 +373,7 @@ class Teller:
         self.pipe, self.design, self.enough = pipe, design, enough
         self.begin = time.monotonic()
         self.last = 0.0
-        # When the costs were last drawn, and how long that took, s.
+        # Time and duration of the last drawing of the costs, s.
         self.last_drawing = self.drawing = 0.0
         self.trials_shown = {"search": 0, "linear": 0}
         self.results: dict[str, tuple[Found, float]] = {}
@@ -404,7 +404,7 @@ class Teller:
         self.pipe.send(self._picture(is_last=True))
 
     def _picture(self, *, is_last: bool = False) -> dict[str, Any]:
-        """Return the picture of the costs, where it is time for one: it takes all trials."""
+        """Return the picture of the costs, if due: it needs all trials."""
         begin = time.monotonic()
         if not is_last and begin - self.last_drawing < 20.0 * self.drawing:
             return {}

@@ -1,6 +1,6 @@
 """A report: the inputs of an export, everything known about it, and its page of HTML.
 
-The page needs nothing from elsewhere: it is read, printed and kept.
+The page is self-contained, for printing and archiving.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
 
 
 class _Section(NamedTuple):
-    """A heading, a paragraph in front, and a table; `note` replaces it where there are no rows."""
+    """A heading, an introduction, and a table; `note` replaces a table without rows."""
 
     title: str
     note: str = ""
@@ -245,7 +245,7 @@ def write_report(folder: str | Path, report: ExportReport) -> None:
     folder : path-like
         Where; new, empty, or of an earlier report.
     report : ExportReport
-        As `report_of` gives it.
+        The result of `report_of`.
 
     Raises
     ------
@@ -316,7 +316,7 @@ def _used(exported: Exported | ExportedController) -> list[Path]:
 
 
 def _settings(how: Making) -> dict[str, Any]:
-    """Return every option, those that were left to the file as well."""
+    """Return every option, defaults of the file included."""
     plain = asdict(replace(how, certified=None))
     settings = {
         name: value if isinstance(value, bool | int | float | str | None) else str(value)

@@ -23,7 +23,7 @@ from fuzzyarm.exchange.export.steps import Steps
 from fuzzyarm.symbolic.identifiers import identifier
 
 _SECONDS = 300
-# Not optimised, so that the lines that gcov counts are those of the text.
+# Not optimised, so that gcov counts the lines of the text.
 _FLAGS = ("-std=c99", "-ffp-contract=off", "-O0", "--coverage")
 _SMALL = ("-std=c99", "-Os", "-ffunction-sections", "-fdata-sections")
 
@@ -238,7 +238,7 @@ def _coverage(
 
 
 def sizes(exported: Exported | ExportedController) -> list[ExportSize]:
-    """Return flash and RAM of the exported functions alone, by the compilers that are here."""
+    """Return flash and RAM of the exported functions alone, by the installed compilers."""
     results = []
     files = {path.name: str(text) for path, text in exported.files}
     source = next(name for name in files if name.endswith(".c"))

@@ -151,7 +151,7 @@ class FuzzyarmServer(LanguageServer):
         return Converter(uri, self.session(uri).lines, self.encoding, snippets)
 
     def open(self, document: types.TextDocumentItem) -> None:
-        """Take an opened file."""
+        """Open a file."""
         path = to_fs_path(document.uri) or document.uri
         if document.language_id == "fuzzyarm-table" and not path.lower().endswith(".lut"):
             path += ".lut"
@@ -159,7 +159,7 @@ class FuzzyarmServer(LanguageServer):
         self._schedule(document.uri, pause=False)
 
     def change(self, params: types.DidChangeTextDocumentParams) -> None:
-        """Take the changes of a file."""
+        """Apply the changes of a file."""
         session = self.session(params.text_document.uri)
         for change in params.content_changes:
             where = None
@@ -220,7 +220,7 @@ class FuzzyarmServer(LanguageServer):
             self._publish(uri, text)
 
     async def checked(self, uri: str) -> Session:
-        """Return the open file at `uri` once its check is done, or another text has come."""
+        """Return the open file at `uri` after its check, or after another text has arrived."""
         session = self.session(uri)
         if not session.reviewed:
             if uri not in self._running:

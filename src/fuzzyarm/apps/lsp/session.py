@@ -115,7 +115,7 @@ def _offset(text: str, starts: list[int], line: int, character: int, encoding: s
 
 @dataclass(frozen=True, slots=True)
 class FileKind:
-    """The editing functions of a kind of file; all but `read` take its result.
+    """The editing functions of a kind of file; all but `read` work on its result.
 
     Attributes
     ----------
@@ -265,7 +265,7 @@ class Session:
         return split_lines(self.text)
 
     def replace(self, text: str, version: int | None = None) -> None:
-        """Take a new text."""
+        """Replace the text."""
         self.version = version
         if text != self.text:
             self.text = text

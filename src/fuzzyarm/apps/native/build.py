@@ -96,7 +96,7 @@ FLAGS = (
     # Bits as in Python: nothing is fused or reordered. Without errno and traps no result changes,
     # but square roots and comparisons can be vectorised.
     "-std=gnu99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
-    # GCC 12 drops a rounding to single precision where it packs two numbers into a vector.
+    # GCC 12 drops a rounding to single precision when it packs two numbers into a vector.
     "-fno-tree-slp-vectorize",
     # The block of a rule base is read as integers and as floats.
     "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
@@ -261,7 +261,7 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
         compiler.link([*(job.result for job in jobs), *libraries], linked)
         unfinished = result.with_name(f".{result.name}.{os.getpid()}")
         shutil.copy2(linked, unfinished)
-        unfinished.replace(result)  # a process that has it open keeps the old one
+        unfinished.replace(result)  # a process with it open keeps the old one
     return result
 
 

@@ -118,7 +118,7 @@ UNITS: dict[str, tuple[str, ...]] = {
         "--param=max-completely-peel-times=32",
     ),
 }
-"""Units with flags of their own; see :attr:`Root.over_rows`."""
+"""Units with separate flags; see :attr:`Root.over_rows`."""
 
 
 def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
@@ -202,7 +202,7 @@ def filled_arrays(entries: Sequence[TranslatedKernel]) -> Iterator[tuple[str, se
 def _filled_by(
     entry: TranslatedKernel, by_types: dict[tuple[Array, ...], set[int]]
 ) -> Iterator[int]:
-    """Iterate over the arrays that a kernel writes, itself or in calls by address."""
+    """Iterate over the arrays written by a kernel, directly or in calls by address."""
     arguments = entry.arguments
     yield from map(arguments.index, entry.function.writes)
     for request in entry.function.asks:

@@ -1,4 +1,4 @@
-"""The kernels to build: all those whose address is taken somewhere.
+"""The kernels to build: all with an address in use.
 
 Controllers, plants and rule bases of a user are not among them; they are data to these kernels,
 or programs of operations.
@@ -7,9 +7,9 @@ A kernel is plain Python over scalars and arrays. :mod:`fuzzyarm.symbolic.transl
 type of every name and prints C or JavaScript; ``build.py`` compiles it with ``module.c`` into
 ``fuzzyarm/_kernels``, at two levels for x86-64, both with the bits of the interpreted kernel. A
 feature of Python that is not translated is refused by name: add it to the translation, or to
-``functions`` of both targets. Slices are pointers and a length, without reference counts; that and
-calls by address are why the C is printed rather than left to Cython (in pairs: 50 ns beside 61 for
-a point of ``pd7.frb``).
+``functions`` of both targets. Slices are pointers and a length, without reference counts; these and
+calls by address are the reasons for printed C instead of Cython (in pairs: 50 ns beside 61 for a
+point of ``pd7.frb``).
 """
 
 from __future__ import annotations
@@ -71,8 +71,7 @@ class Root(NamedTuple):
         Whether it runs over rows of many numbers; otherwise over a few, just written, where a
         vector load would wait for the stores.
     in_one : bool
-        Whether all functions that it calls by name are compiled into it, with arrays that do not
-        overlap.
+        Whether all functions called by name are compiled into it, with arrays that do not overlap.
     block : type, optional
         Named tuple of its arrays; without one they are separate parameters.
     """

@@ -1,4 +1,4 @@
-"""The folder of a playground: its contents, and how it is written.
+"""The folder of a playground: its contents, and their writing.
 
 Its parts: fuzzyarm as an archive for the Python of the page (modules and rule bases, no machine
 code), and Pyodide's files, from a folder or from the package registry of npm by its client.
@@ -43,10 +43,10 @@ from fuzzyarm.version import __version__
 # needs. Nothing of it is part of fuzzyarm.
 
 VERSION = "314.0.7"
-"""The archive that is fetched where no folder is named."""
+"""The archive fetched by default."""
 
 OLDEST = (314, 0)
-"""Its Python lends the memory of arrays that are written in Python, and can be stopped half-way."""
+"""Oldest version whose Python lends the memory of Python arrays and can be interrupted."""
 
 FILES = (
     "pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json",
@@ -54,7 +54,7 @@ FILES = (
 """The files of it in a playground."""
 
 PATIENCE = 600.0
-"""Seconds that npm may take."""
+"""Time limit of npm, s."""
 
 
 class PyodideError(FuzzyarmError, OSError):
@@ -63,7 +63,7 @@ class PyodideError(FuzzyarmError, OSError):
 
 @contextmanager
 def pyodide_folder(named: Path | None) -> Iterator[Path]:
-    """Give a folder with Pyodide's files for as long as it is needed."""
+    """Provide a folder with Pyodide's files, as long as needed."""
     if named is not None:
         _demand_files(named)
         yield named
@@ -194,7 +194,7 @@ def archive() -> bytes:
 
 @lru_cache(maxsize=1)
 def why_it_does_not_load(content: bytes) -> str:
-    """Return why a page could not load an archive: the error of a Python that has nothing else."""
+    """Return why a page could not load an archive: the error of a bare Python."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         path = Path(folder) / "fuzzyarm.zip"
         path.write_bytes(content)
@@ -220,12 +220,12 @@ POLICY = (
 
 
 class PlaygroundError(FuzzyarmError, OSError):
-    """A folder that is not written."""
+    """A playground that could not be written."""
 
 
 @dataclass(frozen=True)
 class Playground:
-    """A folder that was written.
+    """A written playground.
 
     Attributes
     ----------
@@ -236,7 +236,7 @@ class Playground:
     kernels : bool
         Whether it has the kernels as WebAssembly.
     no_memory : str
-        Why it has no memory of a Python that has loaded fuzzyarm; empty where it has.
+        The reason for the lack of a Python's memory with fuzzyarm loaded; empty if present.
     """
 
     folder: Path
@@ -251,7 +251,7 @@ def _no_memory(_parts: Mapping[str, bytes]) -> bytes:
 
 
 def wasm_kernels() -> bytes | None:
-    """Return the kernels as WebAssembly; None where the ``ziglang`` wheel is not installed."""
+    """Return the kernels as WebAssembly; None without the ``ziglang`` wheel."""
     try:
         import ziglang  # noqa: F401
     except ImportError:
@@ -304,7 +304,7 @@ def write_playground(
 
 
 def _texts(files: Sequence[Path]) -> dict[str, str]:
-    """Return the texts that a visitor finds, by name."""
+    """Return the texts for visitors, by name."""
     texts: dict[str, str] = {}
     for path in files or [shipped(name) for name in BEGIN_WITH]:
         if path.suffix.lower() not in SUFFIXES:

@@ -1,8 +1,8 @@
 """The server side of a playground, in the Python of its page.
 
-The page sends the messages that it sends to a server, and they go to the same handlers
-(:class:`fuzzyarm.apps.designer.open_files.OpenFiles`). The files are in memory; the page keeps
-their texts in the browser and brings them along when it is opened.
+The page sends the messages of a served page, to the same handlers
+(:class:`fuzzyarm.apps.designer.open_files.OpenFiles`). The files are in memory; the page stores
+their texts in the browser and sends them when it is opened.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FORESIGHT = 1.0
 """Seconds after which modules are loaded ahead."""
 
 LARGEST_TEXT = 500_000
-"""Characters of a text that is checked while it is typed."""
+"""Characters of a text checked while typing."""
 
 WAITING = frozenset({"run", "learn", "tune"})
 """Long work that listens to a hand."""
@@ -43,7 +43,7 @@ USED = (
     "table.fidelity", "exchange.formats", "plant.library", "control.controllers.findings",
     "control.controllers.catalogue", "control.loop.run", "control.loop.open_run",
 )  # fmt: skip
-"""Modules that a page will want sooner or later."""
+"""Modules that a page will need sooner or later."""
 
 
 class PageFiles(OpenFiles):
@@ -86,7 +86,7 @@ class PageFiles(OpenFiles):
                 await letter()
 
     async def store(self, name: str, text: str | None) -> None:
-        """Take the text that another tab has stored of a file, or its removal."""
+        """Adopt the text of a file stored by another tab, or its removal."""
         shared = self.workspace.opened(name)
         if text is None:
             await self._moved(self.workspace.answer({"what": "delete", "file": name}))
@@ -108,7 +108,7 @@ class PageFiles(OpenFiles):
         await super()._moved(answer)
 
     async def _keep(self, names: list[str]) -> None:
-        """Have the page store files that have come to be here."""
+        """Have the page store new files."""
         for name in set(names) - self._stored:
             with suppress(FuzzyarmError, OSError):
                 text = self.workspace.session(name).text
@@ -134,7 +134,7 @@ class Blobs(Downloads):
     """Exported files as addresses of the browser."""
 
     def offer(self, name: str, content: bytes) -> str:
-        """Return an address that is good as long as the page is open."""
+        """Return an address that is valid as long as the page is open."""
         from js import Blob, Uint8Array, URL  # noqa: I001
         from pyodide.ffi import to_js
 
@@ -166,7 +166,7 @@ def begin(
     async def foresee() -> None:
         await asyncio.sleep(FORESIGHT)
         for name in USED:
-            await asyncio.sleep(0.05)  # messages of the page come first
+            await asyncio.sleep(0.05)  # messages of the page first
             import_module(f"fuzzyarm.{name}")
 
     page.tasks += [asyncio.ensure_future(page.listen()), asyncio.ensure_future(page.watch())]
@@ -183,6 +183,6 @@ def begin(
 
 
 def warm() -> None:
-    """Load modules that a page will want sooner or later."""
+    """Load modules that a page will need sooner or later."""
     for name in USED:
         import_module(f"fuzzyarm.{name}")

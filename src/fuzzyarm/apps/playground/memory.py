@@ -1,8 +1,8 @@
-"""The memory of a Python that has loaded fuzzyarm, made once: a page takes it over and is ready.
+"""The memory of a Python with fuzzyarm loaded, made once: a page that adopts it is ready.
 
-Where the folder of a playground is written, node runs the Python of the page, loads all that a page
-will want, and writes down its memory. A page without it starts Python and loads 350 modules, which
-takes it ten times as long.
+When the folder of a playground is written, node runs the Python of the page, loads all modules of a
+page, and saves its memory. A page without it starts Python and loads 350 modules, which takes ten
+times as long.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fuzzyarm.exchange.export.numbers import ExportError
 SCRIPTS = ("start.js", "remember.js")
 
 PATIENCE = 300.0
-"""Seconds that node may take; it needs about ten."""
+"""Time limit of node, s; it needs about ten."""
 
 
 class NoMemoryError(FuzzyarmError, RuntimeError):
@@ -29,7 +29,7 @@ class NoMemoryError(FuzzyarmError, RuntimeError):
 
 
 def python_memory(parts: Mapping[str, bytes]) -> bytes:
-    """Return the memory of a Python that has loaded all that a page will want.
+    """Return the memory of a Python with all modules of a page loaded.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ def python_memory(parts: Mapping[str, bytes]) -> bytes:
     Raises
     ------
     NoMemoryError
-        If there is no node, or it fails; and where the folder has NumPy, whose machine code does
-        not lie in that memory.
+        If there is no node, or it fails; and for a folder with NumPy, whose machine code is not in
+        that memory.
     """
     if any(name.startswith("python/numpy-") for name in parts):
         raise NoMemoryError("a memory of Python cannot hold NumPy's machine code")

@@ -147,7 +147,7 @@ class Canvas:
 
 
 def drawing_lines(drawing: Drawing, columns: int, rows: int, *, unicode: bool = True) -> list[Text]:
-    """Return a drawing as lines of characters, in the given size."""
+    """Return a drawing as lines of characters, in a given size."""
     canvas = Canvas(columns, rows, *drawing.stage, unicode)
     canvas.draw(drawing.parts)
     return canvas.lines()

@@ -108,7 +108,7 @@ def compare_controllers(before: ControllerText, after: ControllerText) -> Contro
 
 
 def controller_diff_view(diff: ControllerDiff) -> Group:
-    """Return the differences as a list with ``~``, ``+`` and ``-`` in front.
+    """Return the differences as a list prefixed by ``~``, ``+`` and ``-``.
 
     Parameters
     ----------

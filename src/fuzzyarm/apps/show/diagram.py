@@ -1,4 +1,4 @@
-"""The block diagram of a controller or a rule base as data: blocks, wires between pins, places.
+"""The block diagram of a controller or a rule base as data: blocks, wires between pins, positions.
 
 Drawn as a figure in :mod:`fuzzyarm.apps.show.figures.diagram`; a page or another program draws the
 same record. Order and meaning of the lines come from the model.

@@ -82,8 +82,8 @@ class RuleBaseDiff:
     rules, terms, settings : tuple of Change
         Changes of each kind.
     outputs : tuple of Apart
-        How far each output is apart; empty if that was not asked for, or if inputs or outputs do
-        not correspond.
+        The difference of each output; empty if not requested, or if inputs or outputs do not
+        correspond.
     """
 
     rules: tuple[Change, ...]
@@ -165,7 +165,7 @@ def _same_term(one: Term, other: Term) -> bool:
 def _with_names(
     rulebase: RuleBase, names: Mapping[str, str], terms: Mapping[tuple[str, str], str]
 ) -> RuleBase:
-    """Return a rule base under new names of variables and terms; formulas keep theirs."""
+    """Return a rule base under new names of variables and terms; formulas are unchanged."""
     if not names and not terms:
         return rulebase
 
@@ -212,7 +212,7 @@ _MARKS = {
 
 
 def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
-    """Return the differences as a list with ``~``, ``+`` and ``-`` in front.
+    """Return the differences as a list prefixed by ``~``, ``+`` and ``-``.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
 
 
 def apart_words(found: Apart) -> str:
-    """Return how far an output is apart, in a line."""
+    """Return the difference of an output, in a line."""
     name = name_text(found.output)
     at = ", ".join(f"{name_text(key)} = {value:.6g}" for key, value in found.at.items())
     words = f"{name}: no difference at {found.points:,} points"

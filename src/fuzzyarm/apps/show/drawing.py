@@ -56,8 +56,8 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
 
     It drops control characters in names and descriptions.
 
-    Off a terminal it has no colours and 80 columns, unless the environment (COLUMNS, FORCE_COLOR,
-    NO_COLOR) says otherwise.
+    Off a terminal it has no colours and 80 columns, unless overridden by the environment (COLUMNS,
+    FORCE_COLOR, NO_COLOR).
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ class HeatGrid:
         grid = self._for(options.max_width)
         left, widths = grid._left(), grid._widths()
         room = options.max_width - left
-        # A space on either side of a text, or in front of it if there is little room.
+        # A space on either side of a text, or before it if there is little room.
         gap = 2 if sum(widths) + 2 * len(widths) <= room else 1
         for k, (start, stop) in enumerate(_bands([w + gap for w in widths], room)):
             if k:
@@ -241,7 +241,7 @@ class Scale:
     Attributes
     ----------
     low, high : float
-        The ends; numbers beyond them take the colour of the nearest end.
+        The ends; numbers beyond them have the colour of the nearest end.
     diverging : bool
         Whether the middle, zero, is neutral.
     logarithmic : bool
@@ -305,7 +305,7 @@ def scale_of(values: Iterable[float], low: float | None = None, high: float | No
     Parameters
     ----------
     values : iterable of float
-        Values to colour; those that are not finite are ignored.
+        Values to colour; non-finite ones are ignored.
     low, high : float, optional
         Range of the variable, which extends the scale if it is finite.
     """
@@ -444,7 +444,7 @@ def height_at(curve: Curve, x: float) -> float:
 
 
 def _largest(curve: Curve, start: float, end: float) -> float:
-    # The value at the middle makes falling and rising edges look alike; corners inside are added so
-    # that no peak is missed.
+    # The value at the middle makes falling and rising edges look the same; corners inside are added
+    # so that no peak is missed.
     inside = [y for x, y in curve if start <= x < end]
     return max([height_at(curve, 0.5 * (start + end)), *inside])

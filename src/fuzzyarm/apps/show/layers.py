@@ -117,7 +117,7 @@ def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> LayeredGraph:
 
 
 def _layers(blocks: Sequence[Pins], links: Sequence[Link]) -> list[int]:
-    """Return the layer of each block: behind all its sources."""
+    """Return the layer of each block: after all its sources."""
     readers, count = defaultdict(list), [0] * len(blocks)
     for link in links:
         readers[link.source].append(link.target)
@@ -214,7 +214,7 @@ class _Net:
         return [rows[e.target] + e.input - e.output for e in self.out_of[item]]
 
     def _settle(self, column: list[int], rows: list[float], *, forward: bool, sort: bool) -> None:
-        """Move the items of a layer towards their neighbours in the layer before or behind."""
+        """Move the items of a layer towards their neighbours in the layer before or after."""
         aims = []
         for item in column:
             wishes = self._wishes(item, rows, forward=forward)

@@ -194,7 +194,7 @@ class LinePlot:
 
 
 def _both(axis: Axis) -> tuple[float, float]:
-    """Return the ends of an axis that has both."""
+    """Return the ends of an axis with both ends."""
     assert axis.low is not None
     assert axis.high is not None
     return axis.low, axis.high

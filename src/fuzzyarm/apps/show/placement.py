@@ -227,7 +227,7 @@ def _head(axes: Sequence[str]) -> str:
 
 
 def _names_of_nets(diagram: Diagram) -> dict[tuple[int, int], str]:
-    """Return the name of each block output that has one in the text."""
+    """Return the name of each block output, if named in the text."""
     names: dict[tuple[int, int], dict[str, None]] = defaultdict(dict)
     for wire in diagram.wires:
         if wire.signal:

@@ -99,7 +99,7 @@ class Response:
         return len(self.free) == 1
 
     def values(self, points: Sequence[Any]) -> Any:
-        """Return the output over the points of each varied input, NaN where no rule fires."""
+        """Return the output over the points of each varied input, NaN if no rule fires."""
         import numpy as np
 
         names = [variable.name for variable in self.free]
@@ -152,7 +152,7 @@ class Response:
 
 
 def with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
-    """Return the inference, NaN where no rule fires and the file has no value for that."""
+    """Return the inference, NaN if no rule fires and the file states no value."""
     from fuzzyarm.inference import infer
 
     if not isinstance(output.no_rule, str):

@@ -253,7 +253,7 @@ def _weighted(rule: Rule, term: str) -> str:
 
 
 def _term_colours(output: Output) -> tuple[Scale, dict[str, float]]:
-    """Return a scale and the position on it of each term of `output` that has a middle."""
+    """Return a scale, and the position on it of each term of `output` with a middle."""
     values: dict[str, float] = {}
     for term in output.terms:
         shape = term.shape

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.tuning.search import Found
 
 CEILING = 20.0
-"""Costs above this multiple of the best are drawn alike."""
+"""Costs above this multiple of the best have one colour."""
 
 
 def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
@@ -37,5 +37,5 @@ def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
 
 
 def spreads(values: list[float]) -> bool:
-    """Whether values spread so far that a logarithmic scale is better."""
+    """Whether values spread enough for a logarithmic scale."""
     return bool(values) and min(values) > 0.0 and max(values) >= 5.0 * min(values)

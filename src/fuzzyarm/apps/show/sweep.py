@@ -116,7 +116,7 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
     Returns
     -------
     ndarray, shape (outputs, up, across) or (outputs, across)
-        Greatest magnitude; NaN where a run diverged or has no value.
+        Greatest magnitude; NaN for a diverged run or one without a value.
     ndarray of bool, shape (up, across) or (across,)
     """
     shape, places = _points(many, over)
@@ -269,7 +269,7 @@ def sweep_lines(results: Sequence[Many], metric: str) -> list[str]:
 
 
 def robustness_lines(results: Sequence[Many], metric: str) -> list[str]:
-    """Return a table of median, worst and failures, and where the first controller is better."""
+    """Return median, worst and failures as a table, and where the first controller is better."""
     first, *others = results
     units = dict(zip(first.outputs, first.units, strict=True))
     rows: list[tuple[str, ...]] = [("controller", metric, "median", "worst", "at", "failed")]

@@ -19,7 +19,7 @@ def system_diagram(rulebase: RuleBase) -> Diagram:
     sources = {each.name: index for index, each in enumerate(rulebase.inputs)}
     wires: list[DiagramWire] = []
     for output in _in_order(rulebase.outputs, read):
-        # Rules that read an activation (how far a term is asserted so far) are left out: no wire of
+        # Rules that read an activation (of a term so far) are left out: no wire of
         # the diagram goes back.
         names = [name for name in read[output.name] if name in sources]
         blocks.append(_rules_block(rulebase, output, rules[output.name], len(names)))
@@ -73,7 +73,7 @@ def _variables_read(rulebase: RuleBase, output: Output, rules: dict[str, list[Ru
 
 
 def _in_order(outputs: Iterable[Output], read: dict[str, list[str]]) -> list[Output]:
-    """Return outputs behind those that they read, otherwise in the order of the file."""
+    """Return outputs after those that they read, otherwise in the order of the file."""
     waiting, ordered = list(outputs), list[Output]()
     while waiting:
         names = {each.name for each in waiting}

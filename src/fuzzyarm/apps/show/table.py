@@ -113,7 +113,7 @@ def table_grids(
     text : callable, optional
         Text of a number; by default uniform and without loss.
     more : str, optional
-        Text behind the note on thinned levels, with the option for all.
+        Text after the note on thinned levels, with the option for all.
     """
     import numpy as np
     from rich.text import Text
@@ -233,7 +233,7 @@ def learned_view(
 ) -> Group:
     """Return one joint's table with changed cells in brackets, and its visits.
 
-    Cells that were never visited have no colour, and a dot before their number.
+    Unvisited cells have no colour, and a dot before their number.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ def firing_view(trace: Trace) -> Group:
     for rule in trace.fired:
         bar = "█" * max(1, round(rule.strength * 5))
         antecedent, _, consequent = rule.text.removeprefix("if ").rpartition(" then ")
-        # The conclusion comes first: a narrow pane cuts off the end of a line.
+        # The conclusion first: a narrow pane cuts off the end of a line.
         line = Text(no_wrap=True, overflow="ellipsis")
         line.append(f" {rule.strength:.3f} ")
         line.append(f"{bar:<5} ", "cyan")

@@ -1,9 +1,9 @@
 """All controllers under the same conditions: errors, chatter and cost.
 
-The study compares errors alone, with set points that are held, motors without inductance and as
-much torque as requested, and it did not count alike for all. Here any of that can change, for
-all of them alike: nothing depends on what a controller, or its file, is called. Another plant that
-has trajectories is compared on in the same way; costs are counted on the arm.
+The study compares errors alone, with held set points, motors without inductance and unlimited
+torque, and it counted differently for different controllers. Here any of that can change, equally
+for all: nothing depends on the name of a controller or its file. Comparisons on another plant with
+trajectories are the same; costs are counted on the arm.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ OWN = ("fuzzy-fine", "fuzzy-smooth", "pd-motor", "pd-motor-tuned", "pid-smooth")
 
 
 def compared_names() -> list[str]:
-    """Return the controllers of the summary table and those that the study does not have."""
+    """Return the controllers of the summary table and those missing from the study."""
     rows = [row.controller for row in published_rows() if row.table == SUMMARY_TABLE]
     return [*rows, *OWN]
 
@@ -78,7 +78,7 @@ CONDITIONS = {
 """Those of the tables: set points held, as the study has it, and one thing changed at a time."""
 
 
-# --- Errors, and how much the torque changes ---
+# --- Errors, and changes of the torque ---
 
 
 @json_properties("controller=name rms rms_periods rms_path variation diverged")
@@ -93,9 +93,9 @@ class Compared:
     units : tuple of str
         Of the errors, which of the arm are degrees.
     rms : tuple of float
-        RMS errors at the set points; where a run diverged, until then.
+        RMS errors at the set points; for a diverged run until then.
     rms_periods : tuple of float
-        The same of all control periods, from the set point that is held in each.
+        The same over all control periods, from the held set point.
     rms_path : tuple of float
         The same from the trajectory itself, which moves on while a set point is held.
     variation : tuple of float
@@ -128,8 +128,8 @@ class Compared:
 
 
 def geometric_mean(values: Sequence[float]) -> float:
-    """Return the geometric mean of numbers that are not negative."""
-    # A 0 among the numbers gives log 0 = -inf and a mean of 0, as it should.
+    """Return the geometric mean of non-negative numbers."""
+    # A 0 among the numbers gives log 0 = -inf and correctly a mean of 0.
     with np.errstate(divide="ignore"):
         return float(np.exp(np.mean(np.log(values))))
 
@@ -149,7 +149,8 @@ def compare(
     Parameters
     ----------
     controllers : sequence of str or Controller, or CompareRequest
-        Of the catalogue, sums or files. A request alone says all that ``fuzzyarm compare`` does.
+        Of the catalogue, sums or files. A request alone holds every setting of ``fuzzyarm
+        compare``.
     options : Options, optional
         The conditions; see :data:`CONDITIONS`.
     plant : Plant, optional
@@ -160,9 +161,9 @@ def compare(
     conventions : Conventions, optional
         Of all of them.
     payload : bool, optional
-        Whether a plant that carries a load does so where the trajectory says.
+        Whether the plant carries the load of the trajectory.
     connect : mapping of str to str, optional
-        From names of the controllers to ports of the plant, where they differ.
+        From names of the controllers to ports of the plant, if they differ.
     """
     wishes = {
         "controllers": controllers,
@@ -226,7 +227,7 @@ def _compared_by(request: CompareRequest) -> Iterator[Compared]:
 
 
 def compared_along(request: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
-    """Return those that a plant has controllers compared along, with other angles and times."""
+    """Return the trajectories of a plant for comparisons, with other angles and times."""
     arguments: dict[str, Any] = {}
     if request.angles is not None:
         arguments["angles"] = request.angles
@@ -307,7 +308,7 @@ class ControlStepCost:
     exported : int or None
         Largest cost of a step of the exported program; None without an export.
     seconds : float or None
-        Measured in the loop, as machine code; None where it was not.
+        Measured in the loop, as machine code; None without a measurement.
         :data:`~fuzzyarm.apps.study.cost.RESOLUTION` replaces less.
     """
 

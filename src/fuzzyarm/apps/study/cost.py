@@ -255,7 +255,7 @@ def _torque_of_text(
 
 
 def _functions_of_partners(law: TextLaw) -> int:
-    """Return the number of sines and cosines that the partners of a text need of the arm."""
+    """Return the number of sines and cosines of the arm's angles that a text's partners need."""
     functions = 0
     for partner in law.text.model.partners:
         controller = law.find_law(partner.law)
@@ -293,14 +293,14 @@ def _pair(numbers: Pair) -> Pair:
 # --- Time of a control step ---
 
 ROUNDS = 60
-"""Runs, of which the fastest counts, in turns with those of the empty law."""
+"""Runs, alternating with those of the empty law; the fastest counts."""
 
 RESOLUTION = 10e-9
 """Time of a step in s below which the difference of two runs is lost in disturbances."""
 
 
 def timed_move() -> Trajectory:
-    """Return the move for measuring time: 1 s, short enough to be undisturbed."""
+    """Return the move for timing: 1 s, short enough to be undisturbed."""
     return through([(10.0, -10.0)], segment=1.0)
 
 

@@ -264,8 +264,8 @@ def draw_cost(
 ) -> Figure:
     """Draw mean errors of controllers against operations and time of a control step.
 
-    A mark is the error from the path; a line leads to the error at the set points. The title
-    says under which conditions.
+    A mark is the error from the path; a line leads to the error at the set points. The title states
+    the conditions.
     """
     from matplotlib.figure import Figure
 
@@ -323,7 +323,7 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
         panel.annotate(
             controller.name,
             (value, controller.path_error),
-            # Widths are estimates: a label to the left ends where it is to end.
+            # Widths are estimates: a label on the left is aligned at its end.
             xytext=(-BESIDE if to_the_left else right, up),
             textcoords="offset points",
             fontsize=LETTERS,

@@ -1,4 +1,4 @@
-"""Identification of the gains that the study does not print, from its published figures."""
+"""Identification of gains missing from the study, from its published figures."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ come out only with it.
 
 
 class UnknownRowError(FuzzyarmError, LookupError):
-    """No published row goes by `name`."""
+    """A name without a published row; `name`."""
 
     def __init__(self, name: str, near: list[str]) -> None:
         hint = did_you_mean(*near) if near else "fuzzyarm reproduce --list names all"
@@ -72,7 +72,7 @@ class PublishedRow:
     start : str
         ``warm``, ``cold`` or empty.
     model_mass : float or None
-        Mass of both links in the controller's model where it was made wrong, kg.
+        Mass of both links in a controller's deliberately wrong model, kg.
     payload : bool
         Whether the load was carried.
     conventions : Conventions
@@ -100,7 +100,7 @@ class PublishedRow:
 
     @property
     def corrected(self) -> Eight:
-        """The figures without the misprint, where there is one."""
+        """The figures with their misprint corrected."""
         place, value = MISPRINTS.get(self.identifier, (0, self.figures[0]))
         figures = list(self.figures)
         figures[place] = value
@@ -145,7 +145,7 @@ def _row(first: dict[str, str], second: dict[str, str]) -> PublishedRow:
 
 
 def find_rows(names: list[str]) -> list[PublishedRow]:
-    """Return the rows that go by these names, in the order of the tables.
+    """Return the rows with these names, in the order of the tables.
 
     A name is a table (``7.1.1``), a controller (``cdid+ie``), a label (``CDID+IE``) or
     both of the first (``7.1.1/cdid+ie``); case does not matter. No names: every row.

@@ -1,4 +1,4 @@
-"""Run published rows again: how near they come, and how near they have to.
+"""Run published rows again: differences, and their tolerances.
 
 Rows whose control switches between the cells of a table are chaotic in single precision;
 they run as ensembles, each run disturbed in the last bit.
@@ -58,7 +58,7 @@ class Ensemble:
     highest: Eight
 
     def inside(self, figures: Eight) -> tuple[bool, ...]:
-        """Tell for each figure whether it lies between the extremes, to the printed digits."""
+        """Return for each figure whether it lies between the extremes, to the printed digits."""
         half = 0.5e-4 + 1e-9
         return tuple(
             low - half <= figure <= high + half
@@ -66,7 +66,7 @@ class Ensemble:
         )
 
     def rms_inside(self, figures: Eight) -> bool:
-        """Tell whether all four RMS figures do."""
+        """Return whether all four RMS figures do."""
         inside = self.inside(figures)
         return all(inside[place] for place in RMS_PLACES)
 
@@ -122,7 +122,7 @@ class Tolerance:
     rms: float  # of every RMS figure, relative
     # Of the mean over the RMS figures, relative; not bounded by default.
     mean_rms: float | None = None
-    final: bool = True  # whether every final error has to be within 0.001 degree or 0.5 %
+    final: bool = True  # whether every final error must be within 0.001 degree or 0.5 %
 
 
 FINAL_ABSOLUTE = 0.001
@@ -152,7 +152,7 @@ _BOUNDS = {
 }
 
 BY_EXTREMES = frozenset({"fuzzy-lut", "fuzzy-lut-x10", "soc-zero", "soc-table"})
-"""Rows that agree where the published RMS lie between the extremes of an ensemble."""
+"""Rows that agree if the published RMS lie between the extremes of an ensemble."""
 
 _CHAOTIC = (
     "chaotic in single precision: a disturbance of the last bit spreads the figures over a band"
@@ -190,7 +190,7 @@ _NOTES = {
 
 @dataclass(frozen=True)
 class RowJudgement:
-    """Whether a row came out.
+    """The judgement of a row.
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ class RowJudgement:
     worst_rms, mean_rms : float
         Largest and mean relative difference of the four RMS figures.
     bound : Tolerance or None
-        That applied; None where the extremes of an ensemble decide.
+        The applied tolerance; None if the extremes of an ensemble decide.
     faults : tuple of str
         Values outside the tolerance, in words.
     note : str
@@ -267,7 +267,7 @@ LEVELS = (0.01, 0.02, 0.05)
 
 
 def count_within(judgements: Sequence[RowJudgement]) -> dict[float, int]:
-    """Return for each of :data:`LEVELS` how many rows have all four RMS figures within it."""
+    """Return the number of rows with all four RMS figures within each of :data:`LEVELS`."""
     return {
         level: sum(judgement.worst_rms <= level for judgement in judgements) for level in LEVELS
     }
@@ -309,7 +309,7 @@ class Reproduced:
     judgement : RowJudgement
         Against the bounds.
     ensemble : Ensemble or None
-        Of the rows that are chaotic.
+        Of a chaotic row.
     """
 
     published: PublishedRow
@@ -329,7 +329,7 @@ class Reproduced:
 
     @property
     def diverged(self) -> list[float | None]:
-        """When the run on each trajectory diverged, s; None where it did not."""
+        """Time of divergence on each trajectory, s; None without."""
         return [run.diverged for run in self.runs]
 
     @property
@@ -339,7 +339,7 @@ class Reproduced:
 
 
 def chaotic(row: PublishedRow) -> bool:
-    """Tell whether a row switches between the cells of a table.
+    """Return whether a row switches between the cells of a table.
 
     Parameters
     ----------
@@ -371,7 +371,7 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
 
 
 def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller:
-    """Make the controller of a row, with the model that it had."""
+    """Make the controller of a row, with its model."""
     start = cast(Start, row.start or "warm")
     law = controller(row.controller, start=start, variant=cast(Variant, variant))
     return law if row.model_mass is None else _with_mass(law, row.model_mass)
@@ -399,16 +399,16 @@ def reproduce_row(
     runs: int = 0,
     watch: Callable[[int], None] | None = None,
 ) -> Reproduced:
-    """Run one row on both trajectories, in the conventions that the study had for it.
+    """Run one row on both trajectories, in the study's conventions for it.
 
     Parameters
     ----------
     row : PublishedRow
         Which.
     variant : {"as-printed", "as-described"}, optional
-        Which of the two, where they differ.
+        The variant, if they differ.
     controller : Controller, optional
-        Another controller in its place.
+        A replacement of its controller.
     options : Options, optional
         See :func:`fuzzyarm.control.loop.run.simulate`.
     runs : int, optional

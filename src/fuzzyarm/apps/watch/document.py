@@ -1,4 +1,4 @@
-"""A file that is watched: its text, its findings and its last good scene."""
+"""A watched file: its text, its findings and its last good scene."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class WatchedFile:
     scene : WatchScene or None
         Of the last text without errors; None until there has been one.
     is_current : bool
-        Whether `scene` is that of the text as it is now.
+        Whether `scene` is that of the present text.
 
     Raises
     ------
@@ -70,7 +70,7 @@ class WatchedFile:
 
     @property
     def text(self) -> str:
-        """The text as it is now."""
+        """The present text."""
         return self.session.text
 
     @property
@@ -89,7 +89,7 @@ class WatchedFile:
         return self.session.review().failed
 
     def update(self, text: str) -> None:
-        """Take a new text; a sound one brings a new scene."""
+        """Set a new text; a sound one has a new scene."""
         self.session.replace(text)
         scene = self._scene()
         self.is_current = scene is not None

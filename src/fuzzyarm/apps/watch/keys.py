@@ -40,14 +40,14 @@ def apply_key(scene: WatchScene, key: str) -> bool:
 
 
 ReadKey = Callable[[float], str]
-"""Returns the next key, or an empty text if none comes within some seconds."""
+"""Returns the next key, or an empty text after some seconds without one."""
 
 
 @contextmanager
 def keys_of_terminal() -> Iterator[ReadKey]:
     """Read keys one by one without echo; the terminal is restored afterwards.
 
-    Without a terminal there are no keys: the reader that is yielded only waits.
+    Without a terminal there are no keys: the yielded reader only waits.
     """
     if not (sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()):
         yield _no_key

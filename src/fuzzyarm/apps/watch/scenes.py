@@ -33,16 +33,16 @@ FINE, COARSE = 60, 12
 
 
 class WatchScene:
-    """A model with crisp inputs that can be moved.
+    """A model with movable crisp inputs.
 
     Attributes
     ----------
     ranges : dict of str to (float, float)
-        The inputs and the stretch that is shown of each.
+        The inputs, each with its visible stretch.
     point : dict of str to float
         The crisp inputs.
     across, down : str
-        The inputs that the arrow keys move; `down` is empty where there is one input.
+        The inputs moved by the arrow keys; `down` is empty for a single input.
     """
 
     VIEWS: tuple[str, ...] = ()
@@ -65,7 +65,7 @@ class WatchScene:
         self.across, self.down = (*names, "")[:2]
 
     def draw(self, view: str, width: int, height: int) -> RenderableType:
-        """Return the drawing of a view in a given room."""
+        """Return the drawing of a view in a given size."""
         raise NotImplementedError
 
     def result(self) -> str:
@@ -73,7 +73,7 @@ class WatchScene:
         raise NotImplementedError
 
     def next_output(self) -> None:
-        """Show the next output, where there are several."""
+        """Show the next output, if there are several."""
 
     def move(self, name: str, steps: int, *, coarse: bool = False) -> None:
         """Move a crisp input by some steps, to its ends at most."""
@@ -85,7 +85,7 @@ class WatchScene:
         self.point[name] = min(high, max(low, float(f"{low + step * width:.12g}")))
 
     def step(self, *, across: bool, steps: int, coarse: bool = False) -> None:
-        """Move the input across or that down by some steps, rightward or upward as it is drawn."""
+        """Move the input across or that down by some steps, rightward or upward as drawn."""
         name = self.across if across else self.down
         if name:
             self.move(name, steps, coarse=coarse)
@@ -136,7 +136,7 @@ class RulebaseScene(WatchScene):
     before : WatchScene or None
         The scene before the last change of the text, whose crisp inputs stay.
     verdicts : sequence of Verdict
-        On its ``prove`` lines: where one fails is marked on the surface.
+        On its ``prove`` lines: failures are marked on the surface.
     """
 
     VIEWS = ("surface", "rules", "terms", "firing")
@@ -165,7 +165,7 @@ class RulebaseScene(WatchScene):
         self._take_needed()
 
     def _take_needed(self) -> None:
-        """Give the axes of the surface, and the keys, inputs that the output depends on."""
+        """Restrict the axes of the surface, and the keys, to the inputs of the output."""
         try:
             part = part_for(self.rulebase, [self.output])
         except FuzzyarmError:  # the drawing has the reason
@@ -193,7 +193,7 @@ class RulebaseScene(WatchScene):
         return ", ".join(f"{name_text(o.name)} = {number_words(o.value, 4)}" for o in trace.outputs)
 
     def draw(self, view: str, width: int, height: int) -> RenderableType:
-        """Return the drawing of a view in a given room."""
+        """Return the drawing of a view in a given size."""
         from rich.text import Text
 
         try:
@@ -281,17 +281,17 @@ class TableScene(WatchScene):
         index = self.table.cell(*inputs)[self.table.names.index(name)]
         index = min(len(axis.levels) - 1, max(0, index + (3 * steps if coarse else steps)))
         inner = bool(axis.bins) and 0 < index < len(axis.levels) - 1
-        # Between its thresholds, where a cell has them, so that the point falls into it.
+        # Between its thresholds, if a cell has them, so that the point falls into it.
         middle = 0.5 * (axis.bins[index - 1] + axis.bins[index]) if inner and axis.bins else 0.0
         self.point[name] = float(f"{middle:.12g}") if inner else axis.levels[index]
 
     def result(self) -> str:
-        """Return the value that the table gives."""
+        """Return the value of the table."""
         value = float(self.table.lookup(*(self.point[name] for name in self.table.names)))
         return f"{name_text(self.table.output)} = {number_words(value, 6)}"
 
     def draw(self, view: str, width: int, height: int) -> RenderableType:
-        """Return the drawing of a view in a given room."""
+        """Return the drawing of a view in a given size."""
         table = self.table
         if view == "numbers":
             from fuzzyarm.apps.show.table import table_view

@@ -53,7 +53,7 @@ Changes = Mapping[str, Any]
 """The changes of one run, by name: a number, or several for a gain with one for each axis."""
 
 Columns = Mapping[str, Vector]
-"""The changes of many runs: one entry or row for each; NaN where a run has no change."""
+"""The changes of many runs: one entry or row for each; NaN for a run without a change."""
 
 
 class SweepError(FuzzyarmError, ValueError):

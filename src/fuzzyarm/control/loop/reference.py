@@ -235,7 +235,7 @@ def as_number(value: float, what: str, expected: str = "a number") -> float:
 # --- The kinds: formulas over arrays of times, or over expressions (`Signal.traced`) ---
 
 BESIDE = 1.0 - 2.0**-51
-"""Of a time, what the rounding of a multiple of the period may leave: 3 · 9 ms is 27 ms."""
+"""Rounding error of a multiple of the period: 3 · 9 ms is 27 ms."""
 
 _TIMES = ("AT", "SECONDS")
 

@@ -45,7 +45,7 @@ _SECONDS_BETWEEN_LINES = 0.5
 """How often the sketch of a controller prints."""
 
 _SKETCH_CALLS = 48
-"""Calls that are measured, of those of the self-test: a simulated second is a second."""
+"""Measured calls of the self-test: a simulated second takes a second."""
 
 
 @json_properties(

@@ -161,7 +161,7 @@ def _say(words: Sequence[str], folder: Path) -> str:
 
 
 _ERROR = re.compile(r"error\b", re.IGNORECASE)
-"""In the line of a tool's output that names the cause; those before it name the place."""
+"""Mark of the line with the cause in a tool's output; lines before it name the position."""
 
 
 def run_tool(
@@ -356,10 +356,10 @@ SHORTEST = 100
 """The shortest period of a board, in µs: half of one is 0.5 % of it."""
 
 _MOST_COUNTS = 2**31
-"""Half of the 32-bit range: a loop that is late by less is recognised as late."""
+"""Half of the 32-bit range: a delay of the loop below it is recognised."""
 
 SHARE = 0.9
-"""How much of a period a call may take."""
+"""Share of a period that a call may take."""
 
 PIN_SECONDS = 112e-6
 """Time of ``analogRead`` on an AVR, as the Arduino core sets its converter up."""

@@ -62,7 +62,7 @@ IN_TURN = "its turn"
 """Remark of the condition under which a slow axis runs."""
 
 ENDS, LEFT = "set point ends", "periods left"
-"""The argument that tells the last period of a set point, and the member that counts them."""
+"""The argument for the last period of a set point, and the member that counts the periods."""
 
 
 _REMARKS = {

@@ -11,7 +11,7 @@ from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply, childr
 from fuzzyarm.symbolic.operations import OPERATIONS
 
 _CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}
-"""Operations that are not a number where an argument is not."""
+"""Operations that propagate NaN."""
 
 
 def carried(value: Node) -> set[str]:

@@ -40,7 +40,7 @@ GUARDED_STEP = "guarded_step"
 """Name of the step with the test before it, after the prefix."""
 
 LEFT_REGION = "left the region"
-"""Symbol of the member that says so, until `init`."""
+"""Symbol of the member for "left the region", until `init`."""
 
 SENT = "sent"
 """Symbol of the last value of a drive that holds it, before that of the drive."""

@@ -69,10 +69,10 @@ MOST_SAMPLES = 100_000
 
 
 WALKED = frozenset({"top", "area", "ends"})
-"""Views of numbers that are walked over tables."""
+"""Views of numbers, as walks over tables."""
 
 SAMPLED = "defuzzifier centroid(101)"
-"""Views that take any sets, by their samples."""
+"""Views of any sets, by their samples."""
 
 _LONGEST = 16
 """Operands of one expression before it goes into a variable: nesting stays shallow."""

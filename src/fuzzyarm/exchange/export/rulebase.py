@@ -30,7 +30,7 @@ from fuzzyarm.version import __version__
 
 _DENSE_POINTS = 60_000
 _DENSE_HEIGHTS = 120_000_000
-"""Points times samples times sets: where there are many, a point takes long."""
+"""Points times samples times sets: above it a point takes long."""
 
 _FEWEST_POINTS = 1_024
 _MOST_POINTS = 6_000_000
@@ -39,7 +39,7 @@ _SHARES = (0.02, 0.09, 0.37, 0.91, 0.98)
 """Where points of the self-test lie in a piece between two edges."""
 
 _FAR = 100.0
-"""Widths beyond a range, where no rule may fire: a Gaussian is 0 there, not a subnormal number."""
+"""Widths beyond a range, for no rule: a Gaussian is 0 there, not a subnormal number."""
 
 _AT_ONCE = 16_384
 """Points at which a program runs at a time: its arrays stay in the cache."""

@@ -77,7 +77,7 @@ from fuzzyarm.symbolic.printing import (
 from fuzzyarm.version import __version__
 
 FIRED, RESULT, FOUND = "a rule fires", "what is returned", "what was found"
-"""Symbols: whether a rule fires, where there is no number for "none"; what is returned; what would
+"""Symbols: the flag of firing, without a number for "none"; the result; its value if a rule fires.
 be, if one fires."""
 
 

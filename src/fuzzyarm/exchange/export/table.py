@@ -212,7 +212,7 @@ FORMATS = {
     15: Precision(np.int16, np.int16, np.int32),
     7: Precision(np.int8, np.int8, np.int32),
 }
-"""Fraction bits that are offered, and the types: Q15 in 16 bits, Q7 in 8."""
+"""Available fraction bits, and the types: Q15 in 16 bits, Q7 in 8."""
 
 SHARE_BITS = 15
 """Fraction bits of the share between two levels, whatever the format."""

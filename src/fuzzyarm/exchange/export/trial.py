@@ -126,8 +126,8 @@ _PORTS: Mapping[Kind, Callable[[float], Any]] = {np.float32: np.float32, np.floa
 
 
 LOST = 7
-"""The period in which the first axis reads a value that is not a number; the next axis in the next.
-In the very first period all axes do: their drives have no last value yet."""
+"""The period of the first axis' NaN input; the next axis has it in the next. All axes have one in
+the first period, without last values of drives."""
 
 _SEGMENT = 5
 """Periods of one sort."""
@@ -146,7 +146,7 @@ _AIMED = 2
 whatever the controller remembers."""
 
 _MOST_CHOSEN = 64
-"""Measured ports up to which errors are chosen: each is moved by itself. Those of more wander."""
+"""Measured ports up to which errors are chosen, each moved separately. More of them wander."""
 
 
 def trial(

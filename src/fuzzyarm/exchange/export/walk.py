@@ -41,7 +41,7 @@ Array = NDArray[Any]
 STEPS_OF_AN_INTEGRAL = 15_000
 
 _AT_ONCE = 4_096
-"""Points that are worked on together where a walk is evaluated here."""
+"""Points evaluated together in a walk here."""
 
 
 class Listed:

@@ -25,7 +25,7 @@ SLIGHT = 1e-2
 """Limit between warning and error, as a share of the output's range."""
 
 Measured = Sequence[tuple[Mapping[str, float], Mapping[str, float] | None]]
-"""Points with the library's outputs there; None where it raised."""
+"""Points with the library's outputs there; None after an exception."""
 
 # --- Points ---
 

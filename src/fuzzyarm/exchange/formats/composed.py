@@ -17,7 +17,7 @@ from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 Degree = Callable[[float], float]
 
 POINTS = 1001
-"""Samples of a composed set without a shape of its own."""
+"""Samples of a composed set without a matching shape."""
 
 _STRAIGHT = frozenset({"min", "max", "bounded"})
 """Norms under which piecewise-linear sets stay piecewise linear."""

@@ -42,7 +42,7 @@ INFERENCES = ("Automatic", "TakagiSugeno", "Tsukamoto")
 """fuzzylite's inference of a weighted output; by default the terms decide."""
 
 VALUES = frozenset({"singleton", "linear", "formula"})
-"""Kinds of shape that are a number rather than a set."""
+"""Kinds of shape that are a number, not a set."""
 
 
 def all_invertible(kinds: set[str]) -> bool:

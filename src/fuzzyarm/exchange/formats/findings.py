@@ -27,7 +27,7 @@ MAX_CHARACTERS = 1_000_000
 """Longest foreign text: four times the largest that programs write."""
 
 MAX_FINDINGS = 300
-"""Most findings of a file that are listed; the rest is counted."""
+"""Most findings listed of a file; the rest is counted."""
 
 MAX_HINTS = 20
 """Findings with a suggested name (the search costs time)."""

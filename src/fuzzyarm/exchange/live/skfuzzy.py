@@ -65,7 +65,7 @@ from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
 
 
 _TNORMS, _SNORMS = ("min", "product"), ("max", "probor")
-"""Norms that a rule is given there; it clips by the minimum and joins terms by the maximum."""
+"""Norms of a rule there; it clips by the minimum and joins terms by the maximum."""
 
 _ACCUMULATIONS = (*_SNORMS, "sum", "bounded")
 """Norms by which the rules of one term add up there, before it is clipped."""

@@ -281,7 +281,7 @@ def _cells_by_rank(grid: GridNode, subject: Subject) -> dict[tuple[int, int], Ce
 # --- Neighbouring grid cells whose terms lie far apart ---
 
 MOST = 2
-"""A control surface may step by so many terms from one cell to the next."""
+"""Terms by which a control surface may step from one cell to the next."""
 
 
 def jumps(subject: Subject) -> Iterator[Diagnostic]:

@@ -17,7 +17,7 @@ Literal = tuple[str, tuple[Hedge, ...]]
 """A term with its hedges."""
 
 BUDGET = 300_000
-"""Steps that a search may take, besides some for each literal of its rules."""
+"""Steps of a search, besides some for each literal of its rules."""
 
 _STEPS_PER_LITERAL = 10
 
@@ -38,7 +38,7 @@ class VariableStretch(NamedTuple):
 
 
 Cells = dict[str, VariableStretch]
-"""A cell for each variable that has been decided."""
+"""A cell for each decided variable."""
 
 
 class Need(NamedTuple):

@@ -26,7 +26,7 @@ LEAST_FLANK = 1e-3
 """Smallest width of a sloped half flank, as a share of the range."""
 
 HALF_GAUSSIAN = math.sqrt(2.0 * math.log(2.0))
-"""Standard deviations from the mean to where a gaussian is one half."""
+"""Standard deviations from the mean of a gaussian to one half."""
 
 
 class UnlikeError(FuzzyarmError, ValueError):

@@ -23,10 +23,8 @@ from fuzzyarm.language.model.rulebase_methods import RuleBaseMethods, new_or_beg
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, DefuzzifierKind
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
-"""How a sampled defuzzifier spreads N points over the range of an output.
-
-``joined`` is of the centroid and the bisector: they are integrals of straight lines between the
-samples rather than sums.
+"""The N sample points of a defuzzifier over the range of an output. ``joined`` is for the centroid
+and the bisector: integrals of straight lines between the samples instead of sums.
 """
 
 POSITION = "x"
@@ -770,7 +768,7 @@ def without_range(rulebase: RuleBase) -> Iterator[Output]:
 
 
 _VALUES = frozenset({"singleton", "linear", "formula"})
-"""Kinds of shape that are numbers or, for a formula, may be one."""
+"""Kinds of shape that are (a formula: may be) numbers."""
 
 
 def last_conclusions(rulebase: RuleBase) -> dict[str, int]:

@@ -26,11 +26,11 @@ from fuzzyarm.learning.tuning.search import Found, Journal, Promises, Search, Wa
 from fuzzyarm.requests.bounds import MOST_TUNED_DIGITS
 
 WORSE = 0.01
-"""Relative growth of the cost by rounding, above which one more digit is kept."""
+"""Relative growth of the cost by rounding that adds a digit."""
 
 
 SHOWS, LISTENED = 0.01, 3
-"""Relative change of the cost on so many scenarios by which noise shows."""
+"""Relative change of the cost that shows noise, and the number of scenarios."""
 
 
 class TuningJob(NamedTuple):

@@ -289,7 +289,7 @@ def _mentions(model: ControllerModel, name: str) -> int:
 
 
 GRID, MOST_POINTS = 9, 60_000
-"""Positions along each input at which the nearest plane is sought, and most of them in all: of more
+"""Positions along each input for the fit of the nearest plane, and their greatest number: for more
 than five inputs so many are drawn."""
 
 

@@ -314,10 +314,10 @@ class Comparison(NamedTuple):
 
 
 MANIFOLD = 3.0
-"""Ratio of costs from which it is given as a factor instead of in percent."""
+"""Ratio of costs from which it is stated as a factor instead of in percent."""
 
 BEYOND_WORDS = 1000.0
-"""Ratio of costs beyond which the costs themselves are given."""
+"""Ratio of costs beyond which the costs themselves are stated."""
 
 
 def comparisons_of(tuned: Tuned) -> list[Comparison]:

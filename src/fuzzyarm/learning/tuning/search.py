@@ -345,7 +345,7 @@ def _cells(number: int, seconds: float, trial: Trial) -> list[str]:
 # --- Promises of a tuned file: its `expect` and `prove` lines ---
 
 PROOF_SECONDS = 2.0
-"""How long one ``prove`` line may take for one candidate."""
+"""Time limit of one ``prove`` line for one candidate, s."""
 
 
 class Promises:

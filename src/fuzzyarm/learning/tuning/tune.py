@@ -422,7 +422,7 @@ def _cost_name(cost: str | OwnCost) -> str:
 
 
 KEPT_BACK = 5
-"""One in so many samples is kept back for the judgement, without test samples."""
+"""One in so many samples is held out for the judgement, without test samples."""
 
 NOISE_SHARE = 0.01
 """Standard deviation of the noise in the judgement, as a share of the ranges of the inputs."""

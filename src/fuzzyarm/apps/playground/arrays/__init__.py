@@ -1,4 +1,4 @@
-"""The part of NumPy that a page needs, in plain Python, for a Python that has none."""
+"""The part of NumPy for a page, in plain Python, for a Python without NumPy."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Arrays: elements in a stretch of memory, seen through a shape and steps.
 
-A view shares the memory of its array, as in NumPy; kernels of machine code are given
-it by the protocol of buffers. What goes over elements is a loop of Python over lists.
+A view shares the memory of its array, as in NumPy; kernels of machine code receive it by the buffer
+protocol. Loops over elements are Python loops over lists.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Shape = tuple[int, ...]
 
 
 class Things(list[Any]):
-    """Elements that are anything, instead of memory."""
+    """Elements of any type, instead of memory."""
 
     def __getitem__(self, index: Any) -> Any:
         """Return one, or a stretch."""
@@ -177,7 +177,7 @@ class ndarray:
         return part
 
     def __len__(self) -> int:
-        """Return how many there are along the first axis."""
+        """Return the length of the first axis."""
         if not self.shape:
             raise TypeError("len() of unsized object")
         return self.shape[0]
@@ -261,7 +261,7 @@ class ndarray:
             values: Iterable[Any] = repeat(_cast(value, view.dtype))
         else:
             source = array_of(value)
-            # NumPy, too, takes leading axes of one element away.
+            # NumPy, too, drops leading axes of one element.
             while source.ndim > len(shape) and source.shape[0] == 1:
                 source = source.reshape(source.shape[1:])
             values = elements(broadcast_to(source, shape).astype(view.dtype))
@@ -271,14 +271,14 @@ class ndarray:
             full = list(values) if not isinstance(values, repeat) else [next(values)] * size
             memory[view._start : view._start + size] = _memory(full, view.dtype)
             return
-        # A mask that is nowhere true has no position.
+        # A mask without a true element has no position.
         for place, one in zip(view._places() if places is None else places, values, strict=False):
             memory[place] = one
 
     # --- Shape ---
 
     def reshape(self, *shape: Any) -> ndarray:
-        """Return the elements in another shape; a view where they are contiguous."""
+        """Return the elements in another shape; a view if they are contiguous."""
         sizes = tuple(map(int, shape[0] if isinstance(shape[0], Sequence) else shape))
         if -1 in sizes:
             rest = math.prod(size for size in sizes if size != -1)
@@ -310,7 +310,7 @@ class ndarray:
         return self.reshape(tuple(size for size in self.shape if size != 1))
 
     def copy(self) -> ndarray:
-        """Return an array of its own memory."""
+        """Return an array with its own memory."""
         return made(elements(self), self.dtype, self.shape)
 
     def astype(self, kind: Any, copy: bool = True) -> ndarray:
@@ -500,7 +500,7 @@ def _viewed(of: ndarray, key: Any) -> tuple[ndarray, dict[int, ndarray] | None]:
 
 
 def _axes_of(key: Any) -> int:
-    """Return how many axes an index takes."""
+    """Return the number of axes in an index."""
     if key is None or isinstance(key, EllipsisType):
         return 0
     return key.ndim if isinstance(key, ndarray) and key.dtype is BOOL else 1

@@ -52,23 +52,23 @@ def _raised(a: Any, b: Any) -> Any:
 
 
 def _is_float(a: Any, b: Any) -> bool:
-    """Whether a division is one of floats: that of whole numbers by 0 is 0 in NumPy."""
+    """Whether a division is one of floats: whole numbers divided by 0 give 0 in NumPy."""
     return isinstance(a, float) or isinstance(b, float)
 
 
 def largest(a: Any, b: Any) -> Any:
-    """Return the larger of two numbers; NaN where one is."""
-    # `a != a` is a NaN, which goes on as in NumPy.
+    """Return the larger of two numbers, or NaN."""
+    # `a != a` for NaN, which propagates as in NumPy.
     return a if a >= b or a != a else b
 
 
 def least(a: Any, b: Any) -> Any:
-    """Return the smaller of two numbers; NaN where one is."""
+    """Return the smaller of two numbers, or NaN."""
     return a if a <= b or a != a else b
 
 
 def _quiet(act: Callable[[float], float], beyond: float) -> Callable[[float], float]:
-    """Return a function of mathematics that is NaN where it has no value."""
+    """Return a mathematical function that is NaN where undefined."""
 
     def quiet(x: float) -> float:
         try:
@@ -82,7 +82,7 @@ def _quiet(act: Callable[[float], float], beyond: float) -> Callable[[float], fl
 
 
 def _signed(act: Callable[[float], int]) -> Callable[[float], float]:
-    """Return a way of rounding that keeps the sign of a zero."""
+    """Return a rounding that preserves the sign of zero."""
     return lambda x: math.copysign(float(act(x)), x) if math.isfinite(x) else x
 
 
@@ -230,7 +230,7 @@ abs = absolute
 
 
 def interp(at: Any, x: Any, y: Any) -> Any:
-    """Return a line through points, at some places."""
+    """Interpolate linearly between points, at some positions."""
     xs, ys = elements(array_of(x)), elements(array_of(y))
 
     def height(place: float) -> float:

@@ -65,7 +65,7 @@ def column_stack(parts: Any) -> ndarray:
 
 
 def append(values: Any, more: Any) -> ndarray:
-    """Put more elements after those that there are."""
+    """Append elements to an array."""
     return concatenate([ravel(values), ravel(more)])
 
 
@@ -81,7 +81,7 @@ def repeat(values: Any, times: Any, axis: int | None = None) -> ndarray:
 
 
 def copyto(to: ndarray, value: Any, where: Any = True) -> None:
-    """Write values into an array, at the places that are chosen."""
+    """Write values into an array, at chosen positions."""
     if where is True:
         to[...] = value
         return
@@ -91,7 +91,7 @@ def copyto(to: ndarray, value: Any, where: Any = True) -> None:
 
 
 class nditer:
-    """All elements of some arrays in one piece, the last of them to be written.
+    """All elements of some arrays in one piece, the last array writable.
 
     Parameters
     ----------

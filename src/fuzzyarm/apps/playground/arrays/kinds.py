@@ -78,7 +78,7 @@ class float32(floating, float):
         return self._rounded(operator.truediv, other)
 
     def _rounded(self, operation: Callable[[float, float], float], other: Any) -> Any:
-        # Arrays have operations of their own.
+        # Arrays have their own operations.
         if not isinstance(other, float | int):
             return NotImplemented
         return float32(operation(float(self), other))
@@ -227,7 +227,7 @@ _BY_TYPE: dict[Any, DType] = {data_type.type: data_type for data_type in DTYPES}
 _BY_TYPE |= {data_type.name: data_type for data_type in DTYPES}
 _BY_TYPE |= {float: _BY_TYPE["float64"], int: _BY_TYPE["int64"], bool: _BY_TYPE["bool"]}
 _BY_TYPE |= {"float": _BY_TYPE[float], "int": _BY_TYPE[int], "d": _BY_TYPE[float]}
-# To NumPy, too, a kind that is not given is float64.
+# As in NumPy, the default kind is float64.
 _BY_TYPE |= {None: _BY_TYPE[float]}
 
 

@@ -17,7 +17,7 @@ newaxis = None
 
 
 def asarray(value: Any, dtype: Any = None, **_order: Any) -> ndarray:
-    """Return an array; the same one where it is one."""
+    """Return an array; an array itself unchanged."""
     return array_of(value, dtype)
 
 
@@ -90,7 +90,7 @@ def arange(*ends: Any, dtype: Any = None) -> ndarray:
         values: list[Any] = list(range(start, stop, step))
     else:
         count = builtins.max(math.ceil((stop - start) / step), 0)
-        # NumPy goes on by the difference of the first two numbers, which is rounded.
+        # NumPy continues by the rounded difference of the first two numbers.
         step = (start + step) - start
         values = [start + k * step for k in range(count)]
         if builtins.any(isinstance(number, float) for number in (*ends, step)):

@@ -1,13 +1,12 @@
-"""The part of NumPy that a page needs, in plain Python, for a Python that has none.
+"""The part of NumPy for a page, in plain Python, for a Python without NumPy.
 
-It stays because Pyodide's npm package has no NumPy: the wheel that its lock file names lies on
-Pyodide's own server alone, which neither npm nor pip asks, and a playground works without a
-network. Without arrays it would have no loops, tables, surfaces and proofs, which are most of it.
-The playground's use of NumPy is small: some hundred functions over small arrays, since large
-ones go through kernels, which are WebAssembly (:mod:`fuzzyarm.apps.native`) and read
-these arrays as they read NumPy's. :func:`install` makes ``import numpy`` find this package;
-beside a NumPy it does nothing. A missing name raises an error with a sentence that
-says so.
+It exists because Pyodide's npm package has no NumPy: the wheel of its lock file lies on Pyodide's
+own server alone, out of reach of npm and pip, and a playground works without a network. Without
+arrays it would have no loops, tables, surfaces and proofs, which are most of it. The playground's
+use of NumPy is small: some hundred functions over small arrays, since large ones go through
+kernels, which are WebAssembly (:mod:`fuzzyarm.apps.native`) and read these arrays as they read
+NumPy's. :func:`install` makes ``import numpy`` find this package; beside a NumPy it does nothing. A
+missing name raises an error with one clear sentence.
 
 ``tests/playground/test_arrays.py`` compares all of it with NumPy itself, to the bit.
 """
@@ -34,7 +33,7 @@ class _Any:
 
 
 def _own_names(part: ModuleType) -> dict[str, Any]:
-    """Return the names that a module defines itself."""
+    """Return the names defined in a module itself."""
     return {
         name: value
         for name, value in vars(part).items()

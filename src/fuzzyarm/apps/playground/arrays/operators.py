@@ -50,7 +50,7 @@ METHODS = {
 
 
 def give_operators() -> None:
-    """Give arrays their operators, and the functions that are methods as well."""
+    """Add the operators to arrays, and the functions that are methods as well."""
     for module, names in METHODS.items():
         for name in names:
             setattr(ndarray, name, getattr(module, name))

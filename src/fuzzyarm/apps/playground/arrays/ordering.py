@@ -29,7 +29,7 @@ def _nan_last(value: Any) -> Any:
 
 
 def argsort(values: Any, axis: int = -1, kind: str = "stable") -> ndarray:
-    """Return the places of the elements in order."""
+    """Return the positions of the elements in order."""
 
     def places(row: list[Any]) -> list[Any]:
         return sorted(range(len(row)), key=lambda k: _nan_last(row[k]))
@@ -38,7 +38,7 @@ def argsort(values: Any, axis: int = -1, kind: str = "stable") -> ndarray:
 
 
 def lexsort(keys: Any) -> ndarray:
-    """Return the places in the order of the last key, then of the one before."""
+    """Return the positions in the order of the last key, then of the one before."""
     rows = [elements(array_of(key)) for key in keys]
     count = len(rows[0]) if rows else 0
     order = sorted(range(count), key=lambda k: tuple(row[k] for row in reversed(rows)))
@@ -67,7 +67,7 @@ def unique(source: Any, axis: int | None = None, *, return_inverse: bool = False
 
 
 def isin(values: Any, among: Any) -> ndarray:
-    """Whether each element is one of others."""
+    """Whether each element is in a set."""
     members = set(elements(array_of(among)))
     return array_of(operate(lambda x: x in members, (array_of(values),), BOOL))
 
@@ -77,14 +77,14 @@ def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
     row = elements(array_of(points))
     find = bisect_left if side == "left" else bisect_right
     size = len(row)
-    # NaNs, which compare with nothing, come after all numbers.
+    # NaNs, unordered, follow all numbers.
     numbers = size - builtins.sum(x != x for x in row)
     of_nan = numbers if side == "left" else size
     return operate(lambda x: of_nan if x != x else find(row, x, 0, numbers), (values,), WHOLE)
 
 
 def bincount(source: Any, weights: Any = None, minlength: int = 0) -> ndarray:
-    """Return how often each whole number is there, or the sum of its weights."""
+    """Return the count of each whole number, or the sum of its weights."""
     values = elements(array_of(source))
     size = builtins.max(minlength, builtins.max(values, default=-1) + 1)
     if weights is None:

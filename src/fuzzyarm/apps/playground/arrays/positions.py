@@ -47,7 +47,7 @@ def flatnonzero(values: Any) -> ndarray:
 
 
 def unravel_index(place: Any, shape: Sequence[int]) -> tuple[Any, ...]:
-    """Return a place in order as indices."""
+    """Return a flat index as indices of each axis."""
     indices: list[Any] = []
     rest: Any = place if isinstance(place, ndarray) else int(place)
     for size in reversed(shape):
@@ -91,7 +91,7 @@ def take_along_axis(values: Any, indices: Any, axis: int) -> ndarray:
 
 
 def where(condition: Any, *values: Any) -> Any:
-    """Choose between two values element by element; of a condition alone, where it is true."""
+    """Choose between two values element by element; of a condition alone, its true positions."""
     if not values:
         return nonzero(condition)
     kinds = [branch for branch in values if isinstance(branch, ndarray)]

@@ -1,4 +1,4 @@
-"""Numbers at random: the generator that NumPy takes by default, PCG64, to the bit.
+"""Random numbers: NumPy's default generator, PCG64, to the bit.
 
 Seeds: O'Neill's ``seed_seq_fe``; the generator: her PCG XSL RR 128/64; whole numbers in a range:
 Lemire's method. As in NumPy's documentation of ``SeedSequence``, ``PCG64`` and ``Generator``.
@@ -66,7 +66,7 @@ class Generator:
     Parameters
     ----------
     seed : int
-        The same seed gives the same numbers.
+        Equal seeds give equal numbers.
     """
 
     def __init__(self, seed: int) -> None:
@@ -159,7 +159,7 @@ def _filled(draw: Any, size: Any, kind: Any) -> Any:
 
 
 def default_rng(seed: Any = None) -> Generator:
-    """Return a generator of a seed; of itself where it is one."""
+    """Return a generator for a seed; a generator itself unchanged."""
     if isinstance(seed, Generator):
         return seed
     if seed is None:

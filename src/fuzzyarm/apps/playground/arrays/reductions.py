@@ -112,14 +112,14 @@ def _demand_elements(of: ndarray, axis: Any, named: dict[str, Any], operation: s
 
 
 def max(values: Any, axis: Any = None, **named: Any) -> Any:
-    """Return the largest element; NaN where there is one."""
+    """Return the largest element, or NaN."""
     of = array_of(values)
     _demand_elements(of, axis, named, "maximum")
     return reduced(of, axis, _most, **named)
 
 
 def min(values: Any, axis: Any = None, **named: Any) -> Any:
-    """Return the least element; NaN where there is one."""
+    """Return the least element, or NaN."""
     of = array_of(values)
     _demand_elements(of, axis, named, "minimum")
     return reduced(of, axis, _fewest, **named)
@@ -129,7 +129,7 @@ amax, amin = max, min
 
 
 def nanmax(values: Any, axis: Any = None, **named: Any) -> Any:
-    """Return the largest element that is a number."""
+    """Return the largest element, NaN ignored."""
     return reduced(values, axis, lambda row: _most([x for x in row if x == x] or [nan]), **named)
 
 
@@ -150,24 +150,24 @@ def all(values: Any, axis: Any = None, **named: Any) -> Any:
 
 def _first(row: list[Any], best: Callable[[list[Any]], Any]) -> int:
     for k, value in enumerate(row):
-        # NumPy returns the place of the first NaN.
+        # NumPy returns the position of the first NaN.
         if value != value:
             return k
     return row.index(best(row))
 
 
 def argmax(values: Any, axis: Any = None) -> Any:
-    """Return the place of the largest element."""
+    """Return the position of the largest element."""
     return reduced(values, axis, lambda row: _first(row, _most), WHOLE)
 
 
 def argmin(values: Any, axis: Any = None) -> Any:
-    """Return the place of the least element."""
+    """Return the position of the least element."""
     return reduced(values, axis, lambda row: _first(row, _fewest), WHOLE)
 
 
 def nanargmax(values: Any, axis: Any = None) -> Any:
-    """Return the place of the largest element that is a number."""
+    """Return the position of the largest element, NaN ignored."""
     return argmax(where(isnan(values), -inf, values), axis)
 
 

@@ -13,12 +13,12 @@ def shape(values: Any) -> tuple[int, ...]:
 
 
 def ndim(values: Any) -> int:
-    """Return how many axes."""
+    """Return the number of axes."""
     return array_of(values).ndim
 
 
 def size(values: Any) -> int:
-    """Return how many elements."""
+    """Return the number of elements."""
     return array_of(values).size
 
 
@@ -39,7 +39,7 @@ def transpose(values: Any, axes: Any = None) -> ndarray:
 
 
 def moveaxis(values: Any, source: int, destination: int) -> ndarray:
-    """Put an axis at another place."""
+    """Move an axis to another position."""
     of = array_of(values)
     order = [axis for axis in range(of.ndim) if axis != source % of.ndim]
     order.insert(destination % of.ndim, source % of.ndim)
@@ -79,7 +79,7 @@ def atleast_2d(values: Any) -> ndarray:
 
 
 def broadcast_arrays(*values: Any) -> tuple[ndarray, ...]:
-    """Return all in the shape that they make together."""
+    """Return all arrays in their common broadcast shape."""
     arrays = [array_of(item) for item in values]
     common = broadcast_shapes(*(item.shape for item in arrays))
     return tuple(broadcast_to(item, common) for item in arrays)

@@ -69,7 +69,7 @@ def describing_figure(
 
 
 def portrait_figure(portrait: Portrait) -> Figure:
-    """Return motions in the plane, each with its start, and the field behind them.
+    """Return motions in the plane, each with its start, over the vector field.
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ def write_film(
     """Write the frames of a figure as a film, whole or not at all."""
     name = os.fspath(path)
     suffix = require_animation(name)
-    # Laid out once: axes keep their places, which are most of the work of a frame.
+    # Laid out once: axes stay, and layout is most of the work of a frame.
     draw(int(frames[-1]))
     engine = figure.get_layout_engine()
     if engine is not None:

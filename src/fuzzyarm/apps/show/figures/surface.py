@@ -66,7 +66,7 @@ def surface_figure(
     Parameters
     ----------
     rulebase : RuleBase
-        One input gives a line; two a surface and its map; more a slice over two of them.
+        A line for one input; a surface and its map for two; a slice over two of them for more.
     output : str, optional
         The only output to draw.
     at : mapping of str to float, optional
@@ -307,7 +307,7 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     for axis, name in zip((space.xaxis, space.yaxis), names, strict=False):
         axis.labelpad = 4.0 + 12.0 * text_width(
             name, LABEL
-        )  # keeps long names clear of the numbers
+        )  # space between long names and the numbers
     space.tick_params(labelsize=7, pad=0)
     for axis in (space.xaxis, space.yaxis, space.zaxis):
         axis.set_major_locator(MaxNLocator(5))
