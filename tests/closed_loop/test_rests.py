@@ -1,5 +1,7 @@
 """Rests that depend on parameters, beside closed forms; the arm with a joint held."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from budget import cases
@@ -10,6 +12,7 @@ from fuzzyarm import load, prove
 from fuzzyarm.control.controllers import ControllerText
 from fuzzyarm.exchange.export import ExportError
 from fuzzyarm.language import parse
+from fuzzyarm.language.model.controller import Amount
 from fuzzyarm.plant import Parameter, Plant, Port, find_plant
 from fuzzyarm.plant.arm import (
     LOADED,
@@ -21,7 +24,7 @@ from fuzzyarm.plant.arm import (
     motor_torque,
 )
 from fuzzyarm.proof.check import check_certificate
-from fuzzyarm.proof.loop import prove_loop, read_claim
+from fuzzyarm.proof.loop import LoopVerdict, prove_loop, read_claim
 
 H = 0.1
 ARM = "examples/closed_loop/loaded_arm.py"
@@ -152,14 +155,63 @@ def test_the_traced_arms_are_the_arm(load_share, arm):
         assert rates == pytest.approx([v[0], free / mass_matrix(arm, q)[0, 0]])
 
 
-@pytest.mark.slow(seconds=12)
+def kept(name, **gains):
+    """Return a controller of the arm's joint, with other gains."""
+    text = load(f"examples/closed_loop/{name}.frb")
+    changed = (
+        replace(g, values=(Amount(((gains[g.name], False),)),)) if g.name in gains else g
+        for g in text.model.gains
+    )
+    return replace(text, model=replace(text.model, gains=tuple(changed)), source="")
+
+
+PER_ERROR = 1080.0 / np.pi * 20.0 / 6.0 * motor_torque(1.0, 0.0, RATIOS[0])
+"""Torque per error and gain of joint-pd, N m/rad."""
+
+
+@pytest.mark.slow(seconds=6)
 def test_the_linear_law_holds_the_arm_level_with_any_load():
-    text = load("examples/closed_loop/joint-pd.frb")
     gravity = [gravity_torque(arm, [0.0, 0.0])[0] for arm in (UNLOADED, LOADED)]
-    gain = 100.0 * 1080.0 / np.pi * 20.0 / 6.0 * motor_torque(1.0, 0.0, RATIOS[0])
     for ends in ((0.0, 0.5), (0.5, 1.0)):
-        verdict = prove(text, f"stable on '{ARM}:HeldJoint' with load in {ends[0]} .. {ends[1]}")
+        claim = f"stable on '{ARM}:HeldJoint' with load in {ends[0]} .. {ends[1]}"
+        verdict = prove(kept("joint-pd"), claim)
         assert verdict.proved, str(verdict)
         low, high = verdict.rests["position"]
-        droop = [-np.interp(x, (0.0, 1.0), gravity) / gain for x in ends]
+        droop = [-np.interp(x, (0.0, 1.0), gravity) / (100.0 * PER_ERROR) for x in ends]
         assert low <= min(droop) < max(droop) <= high
+
+
+@pytest.mark.slow(seconds=12)
+def test_the_servo_holds_the_arm_level_with_any_load():
+    proofs = prove("examples/closed_loop/joint-servo.frb", trust=True)
+    verdicts = [proof for proof in proofs if isinstance(proof, LoopVerdict)]
+    assert [verdict.verdict for verdict in verdicts] == ["proved"] * 4
+    parts = [verdict.claim.parameters[0] for verdict in verdicts]
+    assert [end for _, low, high in parts for end in (low, high)] == [
+        0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0,
+    ]  # fmt: skip
+
+
+def radius(damping, arm):
+    """Return the spectral radius of joint-pd, level (gravity is constant there), unlimited."""
+    from scipy.linalg import expm
+
+    own = motor_torque(0.0, -1.0, RATIOS[0]) + arm.F_1
+    inertia = mass_matrix(arm, [0.0, 0.0])[0, 0]
+    rates = np.zeros((3, 3))
+    rates[0, 1], rates[1, 1], rates[1, 2] = 1.0, -own / inertia, 1.0 / inertia
+    flow = expm(rates * 0.0006)
+    feedback = -PER_ERROR * np.array([100.0, damping / 100.0])
+    return abs(np.linalg.eigvals(flow[:2, :2] + np.outer(flow[:2, 2], feedback))).max()
+
+
+@pytest.mark.slow(seconds=8)
+def test_a_damping_too_small_for_the_whole_load_is_never_proved():
+    low, high = 0.0, 16.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (low, middle) if radius(middle, LOADED) < 1.0 else (middle, high)
+    assert radius(0.999 * low, UNLOADED) < 1.0 < radius(0.999 * low, LOADED)
+    claim = f"stable on '{ARM}:HeldJoint' with load in"
+    assert not prove(kept("joint-pd", K_d=0.999 * low), f"{claim} 0.99 .. 1").proved
+    assert prove(kept("joint-pd", K_d=1.5 * low), f"{claim} 0.99 .. 1").proved
