@@ -31,7 +31,7 @@ from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.requests.prove import ProveRequest
 
 WINDOW = "position in 0.25 .. 0.5, velocity in 0 .. 2"
-CORNER = "position in 0.25 .. 0.375, velocity in 0 .. 1"
+CORNER = "position in 0.25 .. 0.3125, velocity in 0 .. 1"
 """A part of it, all of which is proved, too."""
 
 SERVO = fuzzyarm.shipped("servo.frb")
@@ -44,6 +44,7 @@ class Cliff(Plant):
     inputs = {"push": Port("N", -1.0, 1.0)}
     outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}
     states = {"y": "m"}
+    duration = 20.0
 
     def derivative(self, t, x, u, p):
         return [0.5 * x[0] + u[0]]
@@ -106,17 +107,7 @@ def test_runs_from_proved_boxes_are_in_the_region_when_it_says(servo: StartMap) 
 def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved(
     tmp_path: Path,
 ) -> None:
-    (tmp_path / "cliff.py").write_text(
-        "from fuzzyarm.plant import Plant, Port\n\n\n"
-        "class Cliff(Plant):\n"
-        '    name = "cliff"\n'
-        '    inputs = {"push": Port("N", -1.0, 1.0)}\n'
-        '    outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}\n'
-        '    states = {"y": "m"}\n'
-        "    duration = 20.0\n\n"
-        "    def derivative(self, t, x, u, p):\n"
-        "        return [0.5 * x[0] + u[0]]\n"
-    )
+    (tmp_path / "cliff.py").write_text(CLIFF)
     (tmp_path / "hold.frb").write_text(
         'controller hold "a push against the fall"\n\nperiod 10 ms\n\n'
         "axis a\n  e = error of y\n  p = e * 2\n  drive push = p\n"
@@ -363,22 +354,7 @@ def _cartpole_period(states: np.ndarray) -> np.ndarray:
     x, v, theta, omega = states.T
     lean, fall = 6.0 * theta + 0.3 * x, 1.5 * omega + 0.6 * v
     assert max(np.abs(lean).max(), np.abs(fall).max()) < 0.75
-    force = np.clip(10.0 * 2.0 / 3.0 * (lean + fall), -10.0, 10.0)
-
-    def rates(s: np.ndarray) -> np.ndarray:
-        _, v, theta, omega = s.T
-        sine, cosine = np.sin(theta), np.cos(theta)
-        push = (force + 0.05 * omega**2 * sine) / 1.1
-        turn = (9.8 * sine - cosine * push) / (0.5 * (4.0 / 3.0 - 0.1 * cosine**2 / 1.1))
-        return np.stack([v, push - 0.05 * turn * cosine / 1.1, omega, turn], axis=1)
-
-    for _ in range(4):
-        a = rates(states)
-        b = rates(states + 0.0025 * a)
-        c = rates(states + 0.0025 * b)
-        d = rates(states + 0.005 * c)
-        states = states + 0.005 / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-    return states
+    return _cartpole_step(states, np.clip(10.0 * 2.0 / 3.0 * (lean + fall), -10.0, 10.0))
 
 
 def loop_of(controller: str, plant: str, start: str) -> LoopProblem:
