@@ -523,7 +523,7 @@ def test_the_kernel_needs_no_help_where_rules_fire(
     draw = np.random.default_rng(1)
     points = {name: draw.uniform(0.01, 1.0, 40) for name in "abcd"}
     wanted = interpreted(rulebase).evaluate(points)["u"]
-    monkeypatch.setattr(Stage, "conclude", None)
+    monkeypatch.setattr(Stage, "complete", None)
     np.testing.assert_allclose(fast(points)["u"], wanted, rtol=1e-12)
     for i in range(40):
         found = fast.named_point({name: float(column[i]) for name, column in points.items()})

@@ -105,6 +105,7 @@ def closed_centroid_of_point(
     k: Any, f: Any, heights: Any, groups: int, at: int
 ) -> tuple[float, float, int]:
     """Return area and moment at a point, and the next index; see :func:`closed_centroid`."""
+    # Heights of unions follow those of the groups: the greatest of their sets.
     unions = k[at]
     at += 1
     for union in range(groups, groups + unions):
@@ -116,6 +117,7 @@ def closed_centroid_of_point(
         at += 1 + others
     total = 0.0
     moment = 0.0
+    # A term is a layer up to the smaller of two heights: their rows, the index of the layer.
     terms = k[at]
     at += 1
     for _ in range(terms):

@@ -188,7 +188,7 @@ class Compiled:
             check_names(held, self._outputs, what="output")
         silent = set[str]()
         for stage in self._stages:
-            silent |= stage.conclude(values, held or {})
+            silent |= stage.complete(values, held or {})
         return Outcome(values, frozenset(silent))
 
 

@@ -54,6 +54,7 @@ def cut_pieces(
         elif min(y_0, y_1) >= height:
             end = put(heap, end, x_0, height, x_1, height)
         else:
+            # Cut at x: a flank on one side, level at the height on the other.
             x = x_0 + (height - y_0) * (x_1 - x_0) / (y_1 - y_0)
             end = put(heap, end, x_0, min(y_0, height), x, height)
             end = put(heap, end, x, height, x_1, min(y_1, height))

@@ -43,6 +43,7 @@ def join_expressions(k: Any, f: Any, scratch: Any, at: int, count: int) -> int:
         at += TRUTH_HEAD
         begin = k[at] * width
         degrees = scratch[begin : begin + count]
+        # The first join reads the row of an operand, later ones the truth so far.
         for operand in range(at + 1, at + operands):
             begin = k[operand] * width
             join(norm, degrees, scratch[begin : begin + count], truth)
@@ -93,6 +94,7 @@ def unite_rules(k: Any, scratch: Any, at: int, count: int) -> int:
             begin = k[at + RULE_HEAD + 1] * width
             other = scratch[begin : begin + count]
             at += RULE_HEAD + 2
+            # The first rule fills the row: no pass to clear it.
             if i:
                 for point in range(count):
                     folded[point] = max(folded[point], min(one[point], other[point]))

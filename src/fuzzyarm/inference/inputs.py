@@ -139,7 +139,7 @@ def array_in_range(variable: Variable, array: NDArray[np.float64]) -> NDArray[np
 # ── where no rule fires ────────────────────────────────────────────────────────────
 
 
-def stands_in_for_nan(output: Output) -> bool:
+def replaces_nan(output: Output) -> bool:
     """Whether the value for no rule also replaces that of a formula without one.
 
     So if it is held, or itself NaN: such an output may lack a value.

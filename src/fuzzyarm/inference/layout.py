@@ -56,7 +56,7 @@ class _Truth(NamedTuple):
     hedges: int
 
 
-class _Numbered(NamedTuple):
+class _NumberedRules(NamedTuple):
     """Rules of a plan, the numbers of their propositions, and the numbered rules."""
 
     planned: tuple[PlannedRule, ...]
@@ -64,7 +64,7 @@ class _Numbered(NamedTuple):
     rules: list[LaidRule]
 
 
-_last_numbered: list[_Numbered] = []
+_last_numbered: list[_NumberedRules] = []
 """Those of the last few plans, the newest first."""
 
 
@@ -162,7 +162,7 @@ class _Writer:
         self.rules = [self._rule(i, planned) for i, planned in enumerate(self.plan.rules)]
         # Norms and hedges by address belong to one process, or to the text of one export.
         if not self.truths and all(rule.norm in at.BY_ITSELF for rule in self.rules):
-            numbering = _Numbered(self.plan.rules, self.numbers, self.rules)
+            numbering = _NumberedRules(self.plan.rules, self.numbers, self.rules)
             _last_numbered[:] = [numbering, *_last_numbered[:3]]
 
     def _rule(self, index: int, planned: PlannedRule) -> LaidRule:
@@ -187,7 +187,7 @@ class _Writer:
     def _number(self, expression: Expression, planned: PlannedRule) -> int:
         if isinstance(expression, Is):
             if expression.variable in planned.degrees:
-                return self._asserted(expression)
+                return self._activation(expression)
             proposition = (expression.variable, expression.term, expression.hedges)
             return self.numbers.setdefault(proposition, len(self.numbers))
         key = (expression, planned.conjunction, planned.disjunction)
@@ -203,7 +203,7 @@ class _Writer:
             self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, hedges)
         return self.truths[key].number
 
-    def _asserted(self, part: Is) -> int:
+    def _activation(self, part: Is) -> int:
         """Return the number of the assertion of a term: strengths folded like those of a set."""
         key = (part, "", "")
         if key not in self.truths:
@@ -274,10 +274,10 @@ class _Writer:
 
     def _entries(self) -> int:
         programs = math.prod(len(cells.lines) for cells in self.cells)
-        rules = sum(math.prod(map(len, alive)) for alive in map(self._alive, self.rules))
+        rules = sum(math.prod(map(len, alive)) for alive in map(self._firing_cells, self.rules))
         return rules + programs * len(self.truths)
 
-    def _alive(self, rule: LaidRule) -> list[Sequence[int]]:
+    def _firing_cells(self, rule: LaidRule) -> list[Sequence[int]]:
         """Return for each input the cells in which a rule can fire."""
         if rule.number in self.alive:
             return self.alive[rule.number]
@@ -433,7 +433,7 @@ class _Writer:
         active: list[list[LaidRule]] = [[] for _ in range(programs)]
         for rule in self.rules:
             numbers = [0]
-            for cells, step in zip(self._alive(rule), strides, strict=True):
+            for cells, step in zip(self._firing_cells(rule), strides, strict=True):
                 numbers = [number + c * step for number in numbers for c in cells]
             for number in numbers:
                 active[number].append(rule)

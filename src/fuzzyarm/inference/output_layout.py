@@ -100,7 +100,7 @@ class Base(Protocol):
 
 
 @cache
-def _numbers_wanted() -> dict[Node, float]:
+def _requested_numbers() -> dict[Node, float]:
     """Return the values that defuzzifiers of the kernel compute themselves, from their records."""
     from fuzzyarm.inference import positions
 
@@ -117,29 +117,29 @@ def _numbers_wanted() -> dict[Node, float]:
     }
 
 
-def wanted(plan: OutputPlan) -> float:
+def requested_number(plan: OutputPlan) -> float:
     """Return the last float of an output with values: the number of the requested position."""
     from fuzzyarm.inference import positions
 
     record, way = plan.record, plan.output.defuzzifier
     if record.of == "top":
-        return _numbers_wanted().get(record.expression, positions.SEVERAL)
+        return _requested_numbers().get(record.expression, positions.SEVERAL)
     if record.of == "ends":
-        return _numbers_wanted().get(record.expression, 0.0)
+        return _requested_numbers().get(record.expression, 0.0)
     nearest = record.of == "area" and way.sampling == "midpoints" and not plan.discrete
     if nearest and way.resolution is not None:
         return positions.NEAREST_HALF
-    return _numbers_wanted()[symbol(record.symbols[0])]
+    return _requested_numbers()[symbol(record.symbols[0])]
 
 
-def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
+def post_processing(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
     """Return the post-processing functions of a defuzzifier: of one number, and of several.
 
     Row functions by number, 0 for none or a built-in one.
     """
     record = plan.record
     first, *rest = record.aspect.figures
-    if record.figure or record.expression in _numbers_wanted():
+    if record.figure or record.expression in _requested_numbers():
         return 0, 0
     root = replace(record.expression, {first: symbol("x")})
     if not rest:
@@ -188,7 +188,7 @@ class OutputWriter:
         if not (is_closed and base.point_only):
             address = base.addresses.program(self.program)
         is_mean = bool(self.program.centre) and plan.record.of != "sum"
-        finish, choice = made_by(plan, base.addresses)
+        finish, choice = post_processing(plan, base.addresses)
         self.samples += at.CHOICE_ROOM if choice else 0
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail,
@@ -210,7 +210,7 @@ class OutputWriter:
         """Return the last float of an output: centre of the moments, or requested position."""
         output, centre = self.plan.output, self.program.centre
         if not centre:
-            return wanted(self.plan)
+            return requested_number(self.plan)
         if centre == "own" and self.plan.closed is not None:
             return self.plan.closed.centre
         return 0.5 * (output.low + output.high) if centre == "middle" else 0.0

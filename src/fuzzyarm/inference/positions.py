@@ -377,6 +377,7 @@ def position_of_maxima(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> t
     if not greatest > 0.0:
         return 0.0, 0.0
     count = 0
+    # The sets that reach this height, within rounding.
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
         consequent = k[at + 1]
@@ -624,6 +625,7 @@ def found_value(
 @kernel
 def position_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float) -> float:
     """Return the position where a monotone set reaches a level; its pieces rise."""
+    # Without such a position: the end of the range that the set only approaches.
     position: float = f[k[consequent + OWN_AT]]
     for i in range(k[consequent + PIECES]):
         piece = k[consequent + PIECES_AT] + PIECE * i

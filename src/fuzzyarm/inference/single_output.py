@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import type_reduction_kernel
 from fuzzyarm.inference.block import NotCoveredError, TermNumbers
-from fuzzyarm.inference.output_layout import LaidRule, OutputWriter, made_by, wanted
+from fuzzyarm.inference.output_layout import (
+    LaidRule,
+    OutputWriter,
+    post_processing,
+    requested_number,
+)
 from fuzzyarm.inference.plan import OutputPlan, Plan
 from fuzzyarm.inference.programs import (
     CHOICE_OF_ROWS,
@@ -121,9 +126,9 @@ class _OneOutput:
             groups = tuple(sorted({member for member, _ in self.output.contributions}))
             count = len(groups)
             rows = heap = 2 * count
-        self.floats += [0.0, 0.0, 0.0, wanted(self.output)]
+        self.floats += [0.0, 0.0, 0.0, requested_number(self.output)]
         self.whole[at.HEAD + at.DETAIL] = count
-        self.whole[at.HEAD + at.CHOICE] = made_by(self.output, self.addresses)[1]
+        self.whole[at.HEAD + at.CHOICE] = post_processing(self.output, self.addresses)[1]
         self._finish(count, [0] * count, rows)
         samples = (heap + at.CHOICE_ROOM + 1) // 2
         return OutputLayout(self.whole, self.floats, program, groups, rows, samples)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import NotCoveredError, PointBlock, make_block
 from fuzzyarm.inference.errors import NoRuleFiredError, NotANumberError
-from fuzzyarm.inference.inputs import bring_into_range, held_value, stands_in_for_nan
+from fuzzyarm.inference.inputs import bring_into_range, held_value, replaces_nan
 from fuzzyarm.inference.kernel import bindings_for, evaluate
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
@@ -158,7 +158,7 @@ class Stage:
             )
         return self._without[missing]
 
-    def conclude(self, values: dict[str, float], held: Mapping[str, float]) -> set[str]:
+    def complete(self, values: dict[str, float], held: Mapping[str, float]) -> set[str]:
         """Add the outputs to the values of a point; return those without a value of their own.
 
         Raises
@@ -173,18 +173,18 @@ class Stage:
         for output, found in zip(outputs, self.without(missing)._judge.found(columns), strict=True):
             value = found
             if found is not None and math.isnan(found):
-                if not stands_in_for_nan(output):
+                if not replaces_nan(output):
                     where = ", ".join(f"{n} = {x:.6g}" for n, x in self.point_of(values).items())
                     raise NotANumberError(output.name, f"has none at {where}")
                 value = None
             if value is None:
                 silent.add(output.name)
-                values[output.name] = self._stated(output, values, held)
+                values[output.name] = self._value_for_no_rule(output, values, held)
             else:
                 values[output.name] = bring_into_range(output, value)
         return silent
 
-    def _stated(
+    def _value_for_no_rule(
         self, output: Output, values: Mapping[str, float], held: Mapping[str, float]
     ) -> float:
         """Return the value that an output states for no rule."""

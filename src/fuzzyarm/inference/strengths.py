@@ -87,7 +87,7 @@ class _Walk:
     def _truth(self, expression: Expression, planned: PlannedRule) -> Strength:
         if isinstance(expression, Is):
             if expression.variable in planned.degrees:
-                return self._asserted(expression)
+                return self._activation(expression)
             return self._proposition(expression)
         if isinstance(expression, Hedged):
             return self._algebra.hedged(expression.hedges, self._truth(expression.operand, planned))
@@ -108,7 +108,7 @@ class _Walk:
             self._degrees[key] = self._algebra.degree(shape, value, part.hedges)
         return self._degrees[key]
 
-    def _asserted(self, part: Is) -> Strength:
+    def _activation(self, part: Is) -> Strength:
         """Return the degree of a term of an output of the same block, from the rules so far."""
         output = self._plan.outputs[part.variable]
         terms = {i for i, member in enumerate(output.members) if member.term.name == part.term}

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.block import INPUTS, MISSING, OUTPUTS, POINTS, WIDTH, Layout, make_block
-from fuzzyarm.inference.inputs import array_in_range, arrays_of, held_value, stands_in_for_nan
+from fuzzyarm.inference.inputs import array_in_range, arrays_of, held_value, replaces_nan
 from fuzzyarm.inference.kernel import sweep
 from fuzzyarm.inference.stage import Stage
 from fuzzyarm.language.model.rulebase import Output, RuleBase
@@ -237,13 +237,13 @@ class Sweeps:
         settled = np.empty((int(where.sum()), len(results)))
         for point, numbers in enumerate(zip(*rows, strict=True)):
             values = dict(zip(valid, numbers, strict=True))
-            self._stage.conclude(values, held)
+            self._stage.complete(values, held)
             settled[point] = [values[output.name] for output in self._rulebase.outputs]
         results[:, where] = settled.T
 
     def _fill_gaps(self, output: Output, result: Array, held: Mapping[str, float]) -> bool:
         """Fill in the held value, or NaN; return False if there may be another cause."""
-        if output.outside != "clamp" or not stands_in_for_nan(output):
+        if output.outside != "clamp" or not replaces_nan(output):
             return False
         if output.no_rule == "hold":
             result[np.isnan(result)] = held_value(output, held)

@@ -318,6 +318,7 @@ def ends_of_integrals(k: Any, f: Any, scratch: Any, heap: Any, point: int) -> tu
     centre = 0.5 * (f[numbers] + f[numbers + 1])
     infinity = math.inf
     area = torque = lower_area = value = 0.0
+    # The upper set, then the lower one, whose area stays in `lower_area`.
     for side in range(2):
         lower_area, more, _, _ = integrate(
             k, f, scratch, heap, point, side, -infinity, infinity, infinity

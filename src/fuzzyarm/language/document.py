@@ -492,7 +492,7 @@ def print_document(document: Document) -> str:
     previous: StatementNode | None = None
     aligned_lines = _aligned_lines(document)
     for index, (node, trivia, _) in enumerate(document.statements):
-        if previous is not None and _wants_distance(previous, node) and "" not in trivia.before:
+        if previous is not None and _is_set_apart(previous, node) and "" not in trivia.before:
             lines.append("")
         first, *rest = (aligned_lines.get(index) or text_of(node)).split("\n")
         margin = first[: len(first) - len(first.lstrip())]
@@ -528,7 +528,7 @@ def _broken(line: str) -> list[str]:
     return [margin + first, *(f"{margin}  {continuation}" for continuation in rest)]
 
 
-def _wants_distance(previous: StatementNode, node: StatementNode) -> bool:
+def _is_set_apart(previous: StatementNode, node: StatementNode) -> bool:
     around = lines_below(previous) is not None or lines_below(node) is not None
     return around or isinstance(node, BlockNode)
 

@@ -241,7 +241,7 @@ _MOST, _ROUNDS, _LONGEST, _FARTHEST = 100, 3, 500, 400
 """Limits: lines tried at a time, rounds, characters, and lines above them."""
 
 
-def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
+def corrected_document(text: str, document: Document) -> tuple[Document, frozenset[int]]:
     """Return `document` with one finding for each line that can be corrected, and those lines.
 
     The statements of the result are the corrected ones.
@@ -258,7 +258,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
             first.setdefault(diagnostic.line, diagnostic)
         more = {}
         for number in [number for number in sorted(first) if number <= len(lines)][:_MOST]:
-            put_right = _put_right(repaired, number, first[number])
+            put_right = _readable_line(repaired, number, first[number])
             if put_right is not None:
                 more[number] = _finding(first[number], lines[number - 1], *put_right)
                 repaired[number - 1] = put_right[0]
@@ -306,7 +306,7 @@ def _common(one: str, other: str) -> int:
 _ENDING = re.compile(r"(?i)^\s*(?:end\w*|[{}]+)\s*[;.]?\s*$")
 
 
-def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
+def _readable_line(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
     """Return a readable form of a line, and its mistake; None if there is no fault to fix."""
     line = lines[number - 1]
     if len(line) > _LONGEST:

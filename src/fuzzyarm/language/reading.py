@@ -98,7 +98,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     repaired, mended = document, frozenset[int]()
     heads = {type(statement.node) for statement in document.statements}
     if document.diagnostics and not too_large:
-        from fuzzyarm.language.foreign_syntax import as_meant, foreign_text
+        from fuzzyarm.language.foreign_syntax import corrected_document, foreign_text
 
         # One finding that names the other language instead of hundreds about its syntax.
         foreign = foreign_text(text) if len(document.diagnostics) >= MANY else None
@@ -106,7 +106,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
             document = document._replace(diagnostics=(foreign,))
             diagnostics = [replace(foreign, path=path)]
             return Parsed(document, RuleBase(UNNAMED, (), (), ()), tuple(diagnostics))
-        repaired, mended = as_meant(text, document)
+        repaired, mended = corrected_document(text, document)
         document = document._replace(diagnostics=repaired.diagnostics)
         heads = {type(statement.node) for statement in repaired.statements}
     whole: ControllerModel | None = None

@@ -128,7 +128,7 @@ class _Scale(Part):
         yield "axis", ""
 
 
-class _Kept(Part):
+class _FixedTerms(Part):
     """A variable with fixed terms; none for all."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
@@ -170,7 +170,7 @@ TUNE_ROW = StatementRow(
                 Number("high", "the highest value"),
                 _Scale(),
             ),
-            "keep": (_Kept(),),
+            "keep": (_FixedTerms(),),
         },
     ),
 )

@@ -452,6 +452,7 @@ def advance_arm_finely(
     parts = math.ceil(clock[PARTS] / steps)
     for i in range(steps):
         if i > 0:
+            # Motors at the state of this step, the same loads.
             torque = pushed_torques(x, u, p, clock)
         state = runge_kutta(
             state, torque, p, 0, clock[STEP] / steps, parts, clock[IN_SINGLE] != 0.0

@@ -45,7 +45,7 @@ from fuzzyarm.language.document import (
     parse_statements,
     print_document,
 )
-from fuzzyarm.language.foreign_syntax import as_meant
+from fuzzyarm.language.foreign_syntax import corrected_document
 from fuzzyarm.language.meaning import elaborate, judge_statement
 from fuzzyarm.language.model.rulebase import (
     AnyRuleBase,
@@ -626,7 +626,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         offset = 1 - self._line
         if document.diagnostics:
             # Notations of other programs are explained as in a file.
-            repaired, _ = as_meant(lines.text, parse_document(lines.text))
+            repaired, _ = corrected_document(lines.text, parse_document(lines.text))
             findings, offset = repaired.diagnostics or findings, 0
         return [
             replace(diagnostic, argument=lines.argument_of(_moved(diagnostic.span, offset)))

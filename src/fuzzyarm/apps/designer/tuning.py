@@ -84,7 +84,7 @@ def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Send whether the text can be tuned, its parameters, and its plants or samples."""
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.learning.tuning import TuneError
-    from fuzzyarm.learning.tuning.design import Design, says_what_moves
+    from fuzzyarm.learning.tuning.design import Design, has_movable_numbers
 
     try:
         subject = subject_of(session.path, session.text)
@@ -98,7 +98,7 @@ def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
     plants = plants_for(subject.model, job.plants) if isinstance(subject, ControllerText) else []
     job.tell({
         "loop": loop,
-        "says": says_what_moves(subject),
+        "says": has_movable_numbers(subject),
         "parameters": parameters,
         "why": why,
         "plants": plants,
@@ -255,9 +255,9 @@ def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, repl
 
 def search(pipe: Connection, order: PageOrder) -> None:
     """Tune, and report through a pipe; ends with the pipe."""
-    from fuzzyarm.control.loop.blocks import deaf
+    from fuzzyarm.control.loop.blocks import ignore_interrupt
 
-    deaf()
+    ignore_interrupt()
     if hasattr(os, "nice"):
         os.nice(POLITE)
     enough = threading.Event()

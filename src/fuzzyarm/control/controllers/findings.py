@@ -339,7 +339,7 @@ def _without_rule(text: ControllerText) -> Iterator[Diagnostic]:
 
 def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diagnostic]:
     for signal, output in zip(line.names, sheet.outputs, strict=False):
-        if output.no_rule == "hold" or not math.isnan(_stated(output)):
+        if output.no_rule == "hold" or not math.isnan(_value_for_no_rule(output)):
             continue
         try:
             at = silent_point(output, Subject(sheet, Document(())))
@@ -351,14 +351,14 @@ def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> I
         yield Diagnostic(
             "no-rule-fires",
             f"no rule of {name} fires at {point}: {signal} is not a number there, and a period in"
-            f" which it is not is skipped: {_what_stays(axes)} as before",
+            f" which it is not is skipped: {_unchanged_parts(axes)} as before",
             line.span,
             Severity.WARNING,
             hint=f"add a rule to {name}, or define the value there: inference no-rule 0",
         )
 
 
-def _what_stays(axes: Axes) -> str:
+def _unchanged_parts(axes: Axes) -> str:
     """Return the parts that keep their values in a skipped period: drives, or memory too."""
     memory = [
         f"{line.source.kind} {line.names[0]}"
@@ -368,7 +368,7 @@ def _what_stays(axes: Axes) -> str:
     return f"drives and {', '.join(memory)} stay" if memory else "drives stay"
 
 
-def _stated(output: Output) -> float:
+def _value_for_no_rule(output: Output) -> float:
     return float(output.no_rule) if isinstance(output.no_rule, int | float) else math.nan
 
 

@@ -249,6 +249,7 @@ def take_back(k: Any, s: Any, at: int) -> None:
     """Restore the memory of an instruction to that of the period before."""
     operation, a, state = k[at], k[at + 2], k[at + 3]
     if operation == UPDATE:
+        # The states of the period before lie after the frame, in the same order.
         before = k[a + FRAME_END] - 1 - state
         for i in range(state + 1, state + k[a + FILLED]):
             s[i] = s[i + before]
@@ -383,6 +384,7 @@ def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
         s[i - frame - 1 + end] = s[i]
     s[filled] = s[x]
     s[filled + 1] = s[PERIOD]
+    # Arguments from other cells: target and source by turns.
     pair = at + FETCHES
     for _ in range(k[at + FETCHED]):
         s[k[pair]] = s[k[pair + 1]]

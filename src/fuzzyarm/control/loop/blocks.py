@@ -159,13 +159,13 @@ def _processes(workers: int) -> Executor:
         try:
             from loky import ProcessPoolExecutor as Loky
 
-            pool = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
+            pool = Loky(workers, initializer=ignore_interrupt, env={_SAFE_PATH: "1"})
         except ImportError:
             from concurrent.futures import ProcessPoolExecutor
             from multiprocessing import get_context
 
             # A fork would copy the locks of threads, but not the threads: deadlock.
-            pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
+            pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=ignore_interrupt)
         try:
             pool.submit(os.getpid).result()
         except (BrokenExecutor, OSError) as error:
@@ -212,7 +212,7 @@ def _end(pool: Executor) -> None:
     pool.shutdown(wait=True, cancel_futures=True)
 
 
-def deaf() -> None:
+def ignore_interrupt() -> None:
     """Ignore Ctrl-C in a worker: its parent ends it."""
     import signal
 

@@ -38,7 +38,7 @@ from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import unknown_choice
 from fuzzyarm.table import LookupTable
 
-_Asked = TypeVar("_Asked", bound=ExperimentRequest)
+_Request = TypeVar("_Request", bound=ExperimentRequest)
 
 # --- Controllers ---
 
@@ -169,7 +169,7 @@ def split_settings(
 # --- The plant ---
 
 
-def with_plant(request: _Asked, controllers: Sequence[Controller]) -> tuple[_Asked, Plant]:
+def with_plant(request: _Request, controllers: Sequence[Controller]) -> tuple[_Request, Plant]:
     """Return the plant with its actuators, and the request with its name.
 
     The default is the shipped plant with the axes of the controllers.

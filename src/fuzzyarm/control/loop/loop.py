@@ -489,6 +489,7 @@ def note_errors(
             errors[UNKNOWN * count + i] += 1.0
         else:
             errors[HELD * count + i] += error * error
+            # Without a path both sums have the held set point.
             if led:
                 error = path[tick * count + i] - value
             errors[LED * count + i] += error * error

@@ -366,7 +366,7 @@ def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Loop:
     return with_names(run_loop, bindings)
 
 
-Asked = Callable[[Any], Iterable[tuple[int, float]]]
+AddendStep = Callable[[Any], Iterable[tuple[int, float]]]
 """From an observation to increments of drives: index of the input, value."""
 
 
@@ -375,7 +375,7 @@ def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
     parts = list(program.controller.parts())
     if not any(part.takes_ports for part in parts):
         parts = [program.controller]  # it adds its torques itself
-    controls = [_asked(part, program.arithmetic, course) for part in parts]
+    controls = [_addend_step(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
     def control(signals: Any, *others: Any) -> None:
@@ -389,18 +389,18 @@ def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
     return control
 
 
-def _asked(part: Controller, arithmetic: RunArithmetic, course: Course) -> Asked:
+def _addend_step(part: Controller, arithmetic: RunArithmetic, course: Course) -> AddendStep:
     if isinstance(part, RobotLaw):
-        return _asked_of_robot(part, course)
+        return _robot_step(part, course)
     if part.takes_ports:
-        return _asked_by_ports(part, course)
+        return _port_step(part, course)
     law = on_plant.text_law_of(part)
     if law is not None and course.site.extra == 0:
-        return _asked_of_text(part, law, arithmetic, course)
-    return _asked_for_torques(part)
+        return _text_step(part, law, arithmetic, course)
+    return _torque_step(part)
 
 
-def _asked_for_torques(part: Controller) -> Asked:
+def _torque_step(part: Controller) -> AddendStep:
     def ask(t: Any) -> Iterable[tuple[int, float]]:
         # The layout of `write_observation` in fuzzyarm.control.controllers.law.
         reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
@@ -413,7 +413,7 @@ def _asked_for_torques(part: Controller) -> Asked:
     return ask
 
 
-def _asked_of_robot(part: RobotLaw, course: Course) -> Asked:
+def _robot_step(part: RobotLaw, course: Course) -> AddendStep:
     """Return the step of a law on all joints of a robot."""
     interface = course.site.interface
     columns = [at for at, port in enumerate(interface.inputs) if port[1] in EFFORTS]
@@ -438,9 +438,9 @@ def _asked_of_robot(part: RobotLaw, course: Course) -> Asked:
     return ask
 
 
-def _asked_of_text(
+def _text_step(
     part: Controller, law: on_plant.TextLaw, arithmetic: RunArithmetic, course: Course
-) -> Asked:
+) -> AddendStep:
     """Return the step of a controller as text beside one in Python."""
     gains = {
         gain.name: part.gains[gain.name].value
@@ -468,7 +468,7 @@ def _asked_of_text(
     return ask
 
 
-def _asked_by_ports(part: Controller, course: Course) -> Asked:
+def _port_step(part: Controller, course: Course) -> AddendStep:
     """Return the step of a controller in Python with values by port name."""
     site = course.site
     label = site.interface.label

@@ -215,7 +215,7 @@ class ControllerProgram:
             expected.append([float(outside(own[name])) for name in names] if exact else found[-1])
         drives = [abs(x) for row in expected for x in row if not math.isnan(x)]
         largest = max(drives, default=0.0)
-        tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
+        tolerance = self._last_places() * float(np.finfo(outside).eps) * max(largest, 1e-30)
         vectors = TestSequence(given, expected, tolerance)
         return Tried(vectors, worst_of(found, truths), largest, truths)
 
@@ -226,7 +226,7 @@ class ControllerProgram:
         vars(program).update(vars(self) | {"tried": replace(self.tried, worst=worst)})
         return program
 
-    def _loose(self) -> float:
+    def _last_places(self) -> float:
         """Return the self-test's tolerance in last places of the largest drive."""
         loose = 4096.0 if self.precision == "float32" else 16.0
         return loose * 16.0 if self.steps.calls_functions else loose

@@ -14,12 +14,12 @@ _CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}
 """Operations that propagate NaN."""
 
 
-def carried(value: Node) -> set[str]:
+def nan_sources(value: Node) -> set[str]:
     """Return the symbols whose NaN makes a value NaN."""
     if isinstance(value, Symbol):
         return {value.name}
     if isinstance(value, Apply) and value.operation in _CARRYING:
-        return set[str]().union(*map(carried, value.arguments))
+        return set[str]().union(*map(nan_sources, value.arguments))
     return set()
 
 

@@ -267,11 +267,11 @@ class _Builder:
             strength = where(strength > planned.threshold, strength, 0.0)
         remark = rule_words(self.numbers[index], planned.rule.antecedent)
         for name in sorted(outputs):
-            for number in self._asserted[name].get(index, ()):
+            for number in self._contributions[name].get(index, ()):
                 self._assert(self.plan.outputs[name], number, strength, remark)
 
     @cached_property
-    def _asserted(self) -> dict[str, dict[int, list[int]]]:
+    def _contributions(self) -> dict[str, dict[int, list[int]]]:
         """Of each output: the contributions of each rule."""
         found: dict[str, dict[int, list[int]]] = {name: {} for name in self.plan.outputs}
         for name, output in self.plan.outputs.items():

@@ -213,7 +213,7 @@ class DirectRoutine:
         }
         last = self._last() if held is None else held
         # Other outputs may take far longer than this one.
-        part = part_for(_forgiving(self.rulebase), (self.name,))
+        part = part_for(_without_errors(self.rulebase), (self.name,))
         part_inputs = {variable.name: columns[variable.name] for variable in part.inputs}
         holding = {o.name: last for o in part.outputs if o.no_rule == "hold"}
         values = kept(part).evaluate(part_inputs, holding)[self.name]
@@ -232,7 +232,7 @@ class DirectRoutine:
         count = max(3, round(points ** (1.0 / len(inputs))))
         return [self._axis_points(variable, count) for variable in inputs]
 
-    def _telling_points(self, variable: Input) -> NDArray[Any]:
+    def _probing_points(self, variable: Input) -> NDArray[Any]:
         """Return points of an input: inside its pieces, close to edges, and outside its range."""
         corners = corners_of(variable)
         low = variable.low if math.isfinite(variable.low) else corners[0]
@@ -285,7 +285,7 @@ class DirectRoutine:
         number = np.arange(_VECTORS)
         inputs = []
         for k, variable in enumerate(self.rulebase.inputs):
-            points = self._telling_points(variable)
+            points = self._probing_points(variable)
             # Two inputs have all pairs, in an order that soon covers every point of each.
             shift = number // points.size if k else 0
             inputs.append(points[(number * _stride(k, points.size) + shift) % points.size])
@@ -367,7 +367,7 @@ def corners_of(variable: Input) -> list[float]:
     return sorted(values) or [0.0]
 
 
-def _forgiving(rulebase: RuleBase) -> RuleBase:
+def _without_errors(rulebase: RuleBase) -> RuleBase:
     """Return the rule base without errors at run time, as in the exported function."""
     inputs = tuple(
         replace(v, outside="clamp") if v.outside == "error" else v for v in rulebase.inputs

@@ -433,15 +433,15 @@ ERROR = "error of the block"
 def _with_error(step: Function) -> Function:
     """Return the step with an output that is true in a skipped period."""
 
-    def told(line: Line) -> Line:
+    def with_flag(line: Line) -> Line:
         if not isinstance(line, When) or line.remark not in {IN_TURN, ALL_NUMBERS, SETTLED}:
             return line
-        then = tuple(map(told, line.then))
+        then = tuple(map(with_flag, line.then))
         if line.remark == IN_TURN:  # a period between two runs is not a skipped one
             return line._replace(then=then)
         return line._replace(then=then, otherwise=(*line.otherwise, Assign(ERROR, Truth(True))))
 
-    body: list[Line] = list(map(told, step.body))
+    body: list[Line] = list(map(with_flag, step.body))
     return replace(step, body=[Assign(ERROR, Truth(False)), *body]) if body != step.body else step
 
 

@@ -164,7 +164,7 @@ def trial(
     sample = _sample(steps, draw)
     measured = steps.of_sort("measured")
     controller = controller if len(measured) <= _MOST_CHOSEN else None
-    telling, movers = _telling_errors(steps, controller) if controller is not None else ({}, {})
+    telling, movers = _probing_errors(steps, controller) if controller is not None else ({}, {})
     errors = {port: telling.get(port.symbol, (_ANY_SIZE, _NO_SIZE)) for port in measured}
     turns = {port: [_in_turn(sizes, draw) for sizes in each] for port, each in errors.items()}
     points = dict.fromkeys(measured, 0.0)
@@ -317,7 +317,7 @@ def _in_turn(sizes: NDArray[Any], draw: np.random.Generator) -> Iterator[float]:
         yield from draw.permutation(sizes).tolist()
 
 
-def _telling_errors(
+def _probing_errors(
     steps: Steps, controller: EvaluatedController
 ) -> tuple[dict[str, tuple[NDArray[Any], NDArray[Any]]], dict[str, list[str]]]:
     """Return errors of each measured port, and changes of them, for the values that show most.

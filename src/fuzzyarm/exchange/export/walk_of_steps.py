@@ -24,9 +24,9 @@ from fuzzyarm.control.controllers.period import Guard as AxisGuard
 from fuzzyarm.control.controllers.text import ControllerText, home_of, ports_of, sheet_path
 from fuzzyarm.exchange.export.forms import (
     NOT_A_NUMBER,
-    carried,
     endless,
     folded,
+    nan_sources,
     shared,
     without_endless_limits,
 )
@@ -406,7 +406,7 @@ class Lines(Algebra[Node]):
             seen = name in implied or name.endswith(" next")
             if not seen and NOT_A_NUMBER in endless(value, self._known()):
                 left.append(name)
-            implied |= carried(value)
+            implied |= nan_sources(value)
         return tuple(reversed(left))
 
     def _is_finite(self, value: Node) -> bool:

@@ -18,7 +18,7 @@ from fuzzyarm.base.names import nearest
 from fuzzyarm.base.numbers import TIMES, number_text
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import section_at, statements_below
-from fuzzyarm.language.edit.reading import NOTHING, Facts, Reading, asked_variable
+from fuzzyarm.language.edit.reading import NOTHING, Facts, Reading, expected_variable
 from fuzzyarm.language.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS, NameKind, Setting, parameter_names
@@ -141,7 +141,7 @@ class _Nothing(Exception):  # noqa: N818 - internal
     """The reader has named all possible continuations."""
 
 
-class _AskingCursor(Cursor):
+class _RecordingCursor(Cursor):
     """A cursor that accepts any token and records what was expected at the end.
 
     Optional parts (``accept``, ``suggest``) are recorded and reading continues; a mandatory one
@@ -370,11 +370,11 @@ def _asked(
     names: Mapping[NameKind, Mapping[str, str]] = MappingProxyType({}),
 ) -> list[Completion]:
     """Return the expectations of `read` after `tokens`."""
-    cursor = _AskingCursor(tokens, model, names)
+    cursor = _RecordingCursor(tokens, model, names)
     try:
         read(cursor, *about)
     except (_Nothing, Fault):
-        variable = None if cursor.at_end else asked_variable(tokens)
+        variable = None if cursor.at_end else expected_variable(tokens)
         if variable is not None:  # the reader stuck before, but so much is certain
             return [*_terms(cursor.variable_called(variable)), *map(_hedge, HEDGES.words)]
     return sorted(cursor.offered, key=_rank)

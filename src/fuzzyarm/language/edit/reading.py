@@ -55,7 +55,7 @@ def _of_broken(
     for index, token in enumerate(tokens):
         if not _is_name(token):
             continue
-        owner = asked_variable(tokens[:index])
+        owner = expected_variable(tokens[:index])
         if owner is not None:
             yield Occurrence(NameKind.TERM, token.text, token.span, (owner,))
         elif token.text in declared:
@@ -66,7 +66,7 @@ def _is_name(token: Token) -> bool:
     return token.kind == "quoted" or (token.kind == "name" and not is_reserved(token.text))
 
 
-def asked_variable(tokens: Sequence[Token]) -> str | None:
+def expected_variable(tokens: Sequence[Token]) -> str | None:
     """Return the variable whose term is expected after ``is`` and hedges; None otherwise."""
     index = len(tokens) - 1
     while index >= 0 and tokens[index].kind == "name" and tokens[index].text in HEDGES.words:

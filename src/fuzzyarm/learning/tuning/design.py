@@ -243,12 +243,12 @@ def blocks_of(subject: ControllerText | RuleBase, tuning: Tuning | None) -> dict
     sheets = rulebases_of(subject)
     if tuning is not None:
         return dict(_divided(tuning, sheets))
-    if says_what_moves(subject):
+    if has_movable_numbers(subject):
         return {name: sheet.tuning for name, sheet in sheets.items() if sheet.tuning is not None}
     return {name: everything(sheet) for name, sheet in sheets.items()}
 
 
-def says_what_moves(subject: ControllerText | RuleBase) -> bool:
+def has_movable_numbers(subject: ControllerText | RuleBase) -> bool:
     """Whether a file defines movable numbers: a ``tune`` block, or ``tune`` after a gain."""
     if any(rulebase.tuning is not None for rulebase in rulebases_of(subject).values()):
         return True

@@ -160,7 +160,7 @@ def originals_of(subject: ControllerText | RuleBase, path: str = "", text: str =
         before = subject.sheets[use.name][0] if use.name in subject.sheets else None
         if isinstance(before, RuleBase):
             place = _place(use.files[0], path)
-            original = read_text(place) if place and _says(place, before) else write(before)
+            original = read_text(place) if place and _contains(place, before) else write(before)
             originals[use.name] = place, original
     return Originals(path, text or (read_text(path) if path else ""), originals)
 
@@ -206,7 +206,7 @@ def _place(file: str, path: str) -> str:
     return str(place) if place.exists() else ""
 
 
-def _says(place: str, rulebase: RuleBase) -> bool:
+def _contains(place: str, rulebase: RuleBase) -> bool:
     """Whether a file contains the tuned subject; false for a model passed in its place."""
     parsed = parse(read_text(place), place)
     return parsed.rulebase == rulebase
