@@ -83,7 +83,7 @@ declare namespace Messages {
     name?: string | null;
   }
 
-  /** The change from one text to another, to be made in the text as it is now. */
+  /** The change from one text to another, for the present text. */
   interface Merge {
     old: string;
     new: string;
@@ -96,7 +96,7 @@ declare namespace Messages {
     height?: number | "inf" | "-inf";
   }
 
-  /** A shape that a term is to have; of interval type 2 with the lower one. */
+  /** The new shape of a term; of interval type 2 with the lower one. */
   interface TermShape {
     kind: string;
     parameters: Array<number | "inf" | "-inf">;
@@ -106,7 +106,7 @@ declare namespace Messages {
     lower?: ShapeOf | null;
   }
 
-  /** Terms that the user has moved. */
+  /** Terms moved by the user. */
   interface Shapes {
     shapes: Array<TermShape>;
   }
@@ -169,7 +169,7 @@ declare namespace Messages {
     high: number | "inf" | "-inf";
   }
 
-  /** A term of a cell, by line and column from 1; none takes its rule away. */
+  /** A term of a cell, by line and column from 1; none removes its rule. */
   interface CellEdit {
     cell: [number, number];
     term?: string | null;
@@ -181,7 +181,7 @@ declare namespace Messages {
     values: Array<number | "inf" | "-inf">;
   }
 
-  /** A sentence in a line; a new one without, none where it is empty. */
+  /** A sentence in a line; a new one without a line; removal if empty. */
   interface RuleEdit {
     sentence: string;
     line?: number | null;
@@ -227,7 +227,7 @@ declare namespace Messages {
     name: string;
   }
 
-  /** A form that is being filled in, to be judged, and its file. */
+  /** A partly filled form, to judge, and its file. */
   interface FormQuestion {
     file: string;
     form: string;
@@ -241,7 +241,7 @@ declare namespace Messages {
     at?: Record<string, number | "inf" | "-inf" | null>;
   }
 
-  /** Another file to be compared with. */
+  /** Another file for the comparison. */
   interface CompareWork {
     other: string;
     output?: string;
@@ -278,12 +278,12 @@ declare namespace Messages {
     axes?: SurfaceAxes;
   }
 
-  /** Work that takes a form alone; see `fuzzyarm.apps.designer.forms`. */
+  /** Work from a form alone; see `fuzzyarm.apps.designer.forms`. */
   interface FormWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
-  /** Something to be proved; see `fuzzyarm.apps.designer.forms.PROVE`. */
+  /** A statement to prove; see `fuzzyarm.apps.designer.forms.PROVE`. */
   interface ProveWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
     certificate?: boolean;

@@ -121,7 +121,7 @@ def demand_writable(path: str | Path) -> None:
 def demand_companion(path: Path, content: bytes, named: Path) -> None:
     """Raise ForeignFileError if a command would replace what was made of another file.
 
-    For a file that is written beside the `named` one, of which an earlier pair may be there.
+    For a file written beside the `named` one, where an earlier pair may exist.
     """
     if not keeps_foreign() or not path.is_file() or not is_made_file(path):
         return

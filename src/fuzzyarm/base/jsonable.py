@@ -6,7 +6,7 @@ a line above the class, which can also make a named tuple an object instead of a
     @json_properties("property=statement verdict seconds lower? file=source.path")
 
 Each word is a field, a property, or a method without parameters; ``name=`` gives it another name,
-dots lead into records, and with ``?`` it is left out where it is None or empty. ``*`` means
+dots lead into records, and with ``?`` it is left out if None or empty. ``*`` means
 all fields, from which ``-name`` takes one. ``tools/make_schemas.py`` makes JSON Schemas of the
 same lines, with the types and the words of the classes.
 """
@@ -35,7 +35,7 @@ class JsonProperty(NamedTuple):
     path : tuple of str
         Names of the attributes that lead to it; a method is called.
     optional : bool
-        Whether it is left out where it is None or empty.
+        Whether it is left out if None or empty.
     words : str
         Properties of the records in it, instead of their own.
     """

@@ -552,7 +552,7 @@ def panel_data(panel: Panel) -> PanelData:
 
 
 def chart_data(chart: Chart) -> list[PanelData]:
-    """Return the panels of a chart as JSON data, with the chart's title where they have none."""
+    """Return the panels of a chart as JSON data; an untitled panel has the chart's title."""
     panels = map(panel_data, chart.panels)
     return [{**data, "title": data["title"] or chart.title} for data in panels]
 

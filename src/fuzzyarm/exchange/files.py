@@ -387,7 +387,7 @@ class PlantOf(NamedTuple):
     plant : Plant
         The plant; a missing port is an error.
     connect : mapping of str to str
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
     """
 
     plant: Plant

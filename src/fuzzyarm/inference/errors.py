@@ -85,7 +85,7 @@ class NoRuleFiredError(FuzzyarmError, ArithmeticError):
     output : str
         The output.
     inputs : dict of str to float
-        One input point where it happens.
+        One such input point.
     """
 
     def __init__(self, output: str, inputs: Mapping[str, float]) -> None:

@@ -466,7 +466,7 @@ def _lacks_values(hedges: tuple[Hedge, ...]) -> bool:
 
 
 def _homes(cells: InputCells) -> dict[int, list[int]]:
-    """Return for each straight proposition the cells where it is nonzero."""
+    """Return the nonzero cells of each straight proposition."""
     homes: dict[int, list[int]] = {}
     for cell, lines in enumerate(cells.lines):
         for part in lines:

@@ -142,7 +142,7 @@ def firing_strengths(
     -------
     strengths : ndarray of float64, shape (rules, *points)
         Truth of the antecedent times the weight, in the order of ``rulebase.rules``; the upper
-        strength where it is of interval type 2.
+        strength for interval type 2.
     outputs : dict of str to ndarray of float64
         NaN where no rule fires, whatever the file states for that case.
 

@@ -111,7 +111,7 @@ class RuleTrace:
 
 
 def place_of(number: int, line: int, column: int) -> str:
-    """Return the name of a rule: its line and column, or its number where it has no text."""
+    """Return the name of a rule: line and column, or its number without a text."""
     # No rule begins at the first character of a file: that position marks one made in Python.
     return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
 

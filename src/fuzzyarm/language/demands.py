@@ -272,7 +272,7 @@ MOST_GAP = 50.0
 
 
 def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
-    """Return the tuning of a ``tune`` block, as far as it is valid."""
+    """Return the valid part of a ``tune`` block."""
     peaks: list[PeakTuning] = []
     gains: list[GainTuning] = []
     kept_names: list[tuple[str, str]] = []

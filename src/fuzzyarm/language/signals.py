@@ -148,7 +148,7 @@ def _read_seen(cursor: Cursor, what: str) -> Word:
 
 
 def signal_text(name: str) -> str:
-    """Return the name of a signal as it is written."""
+    """Return the written name of a signal."""
     if isinstance(name, Seen):
         return f"{name_text(name.axis)}.{name_text(name.signal)}"
     return name_text(name)

@@ -87,7 +87,8 @@ class RuleUse(NamedTuple):
     leads : int
         Samples at which no rule is stronger.
     error : float
-        Root mean square of the error, weighted by its firing strength; NaN where it never fires.
+        Root mean square of the error, weighted by its firing strength; NaN for a rule that never
+        fires.
     column : int
         Its column in the line: a row of a grid has several rules.
     """

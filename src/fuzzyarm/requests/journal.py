@@ -44,7 +44,7 @@ class WorkJournal:
     option : str, optional
         Option for the file name, for hints.
     sealed : bool, optional
-        Whether a last cell, a digest of its line, tells a line that was changed.
+        Whether a last cell, a digest of the line, reveals a changed line.
     """
 
     def __init__(

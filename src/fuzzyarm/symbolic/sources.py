@@ -537,7 +537,7 @@ def _integral(
 
 
 def _following(*arguments: X) -> X:
-    """Return the followed signal within the limits where it is chosen, else the integral."""
+    """Return the followed signal, clamped, while chosen; else the integral."""
     *own, follows, chosen = arguments
     _, _, low, high, *_ = own
     followed = op.where(follows > low, follows, low)

@@ -1,4 +1,4 @@
-"""The engine of the page: any rule base in JavaScript, from numbers that change as it is edited.
+"""The engine of the page: any rule base in JavaScript, from numbers updated by every edit.
 
 Three things make it: the kernel, translated from its own source
 (:mod:`fuzzyarm.symbolic.translation`); shapes, norms and hedges, printed from their expressions by

@@ -40,8 +40,7 @@ class BareMessage:
 class Open:
     """A window shows a file; with its own text, if it had the file open before.
 
-    `wrote` is whether it wrote the file then, and `asked` are texts that it wanted saved, of which
-    it does not know whether they were.
+    `wrote` is whether it was the writer then, and `asked` are texts to save without a known result.
     """
 
     file: str
@@ -162,7 +161,7 @@ class Fixes:
 
 @dataclass(frozen=True)
 class Merge:
-    """The change from one text to another, to be made in the text as it is now."""
+    """The change from one text to another, for the present text."""
 
     old: str
     new: str
@@ -179,7 +178,7 @@ class ShapeOf:
 
 @dataclass(frozen=True)
 class TermShape(ShapeOf):
-    """A shape that a term is to have; of interval type 2 with the lower one."""
+    """The new shape of a term; of interval type 2 with the lower one."""
 
     variable: str = field(kw_only=True)
     term: str = field(kw_only=True)
@@ -188,7 +187,7 @@ class TermShape(ShapeOf):
 
 @dataclass(frozen=True)
 class Shapes:
-    """Terms that the user has moved."""
+    """Terms moved by the user."""
 
     shapes: tuple[TermShape, ...]
 
@@ -267,7 +266,7 @@ class RangeEdit:
 
 @dataclass(frozen=True)
 class CellEdit:
-    """A term of a cell, by line and column from 1; none takes its rule away."""
+    """A term of a cell, by line and column from 1; none removes its rule."""
 
     cell: Position
     term: str | None = None
@@ -283,7 +282,7 @@ class GainEdit:
 
 @dataclass(frozen=True)
 class RuleEdit:
-    """A sentence in a line; a new one without, none where it is empty."""
+    """A sentence in a line; a new one without a line; removal if empty."""
 
     sentence: str
     line: int | None = None
@@ -374,7 +373,7 @@ class Convert:
 
 @dataclass(frozen=True)
 class FormQuestion:
-    """A form that is being filled in, to be judged, and its file."""
+    """A partly filled form, to judge, and its file."""
 
     file: str
     form: str
@@ -441,7 +440,7 @@ class SurfaceWork:
 
 @dataclass(frozen=True)
 class CompareWork:
-    """Another file to be compared with."""
+    """Another file for the comparison."""
 
     other: str
     output: str = ""
@@ -504,7 +503,7 @@ class LearnWork:
     form : mapping
         See `fuzzyarm.apps.designer.forms.LEARN`; without a controller it is that of the text.
     step : bool
-        Whether to wait behind the first pass.
+        Whether to wait after the first pass.
     speed : str
         How it is watched.
     """
@@ -516,14 +515,14 @@ class LearnWork:
 
 @dataclass(frozen=True)
 class FormWork:
-    """Work that takes a form alone; see `fuzzyarm.apps.designer.forms`."""
+    """Work from a form alone; see `fuzzyarm.apps.designer.forms`."""
 
     form: FormValues = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class ProveWork:
-    """Something to be proved; see `fuzzyarm.apps.designer.forms.PROVE`.
+    """A statement to prove; see `fuzzyarm.apps.designer.forms.PROVE`.
 
     Attributes
     ----------
@@ -576,7 +575,7 @@ class RunWord:
     gains : mapping
         Values by name.
     text : str
-        The text as it is now.
+        The present text.
     restart : bool
         To begin anew, with what is `asked` for, if it says so.
     """

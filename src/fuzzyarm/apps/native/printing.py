@@ -205,7 +205,7 @@ def _filled_by(
     """Iterate over the arrays written by a kernel, directly or in calls by address."""
     arguments = entry.arguments
     yield from map(arguments.index, entry.function.writes)
-    for request in entry.function.asks:
+    for request in entry.function.address_calls:
         for position in by_types[tuple(type_ for type_, _ in request)]:
             yield from map(arguments.index, request[position][1])
 

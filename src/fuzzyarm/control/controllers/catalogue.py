@@ -106,7 +106,7 @@ class Choice:
     start : {"warm", "cold"}, optional
         Initial knowledge of adaptive controllers.
     variant : {"as-printed", "as-described"}, optional
-        By the study's figures or by its text, where they disagree.
+        By the study's figures or by its text, if they disagree.
     sources : Sources, optional
         Rule bases and tables in place of the shipped ones.
     """

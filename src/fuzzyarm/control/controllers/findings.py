@@ -100,7 +100,7 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
     controller : Controller
         A text runs on the plant with its axes, every other one on the arm of the study.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def doubts_of(
         Its plant: anything missing there is an error. By default the shipped plant with its axes:
         anything missing is a warning.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
     """
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     reaches = reaches_of(text, site)

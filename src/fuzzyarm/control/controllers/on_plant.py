@@ -65,7 +65,7 @@ class Site:
     extra : int
         Numbers after its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
     connect : mapping of str to str
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
     model : InverseDynamics or None
         The model of a robot, for the laws of the study.
     """

@@ -67,7 +67,7 @@ class Metrics(JsonRecord):
     rms_periods : float
         Root mean square error over all control periods, from the held set point.
     rms_path : float
-        The same from the reference of which the set points are samples.
+        The same from the reference sampled by the set points.
     """
 
     rms: float

@@ -132,7 +132,7 @@ class Signal:
 
     @property
     def jump(self) -> Fraction | None:
-        """When a step or the rate of a ramp jumps, s, where it is constant before; else None."""
+        """Time of a step, or of the jump of a ramp's rate, s, if constant before; else None."""
         at = dict(self.named).get("AT", 0.0)
         return decimal(at) if at > 0.0 else None
 

@@ -5,7 +5,7 @@ measurements and its memory. Let k = K z be the deviations from rest that it kno
 
     W(k) = kᵀ (K P⁻¹ Kᵀ)⁻¹ k  is the least V of all states with this k   (Schur complement),
 
-and W = V where it knows all of them. The program computes W as |L k|², L a triangular matrix of
+and W = V if it knows all of them. The program computes W as |L k|², L a triangular matrix of
 numbers of 32 bits, and compares it with a number t, which follows from bounds of all roundings,
 of L too: with s = √W, rows A s + B of rounding and (1 + ε)⁻¹ LᵀL ≤ P ≤ (1 + ε) LᵀL,
 

@@ -89,7 +89,7 @@ def without_statement(reading: Reading, node: StatementNode) -> Edit:
 
 
 def without_line_ranges(reading: Reading, ranges: Iterable[tuple[int, int]]) -> list[Edit]:
-    """Remove stretches of lines, and a blank line after where one in front stays."""
+    """Remove stretches of lines, and a blank line after if one before stays."""
     merged: list[tuple[int, int]] = []
     for start, end in sorted(ranges):
         first, last = start, end
@@ -106,7 +106,7 @@ def _is_blank(reading: Reading, line: int) -> bool:
 
 
 def without_word(reading: Reading, span: Span) -> Edit:
-    """Remove a word of a grid with the blanks in front of it."""
+    """Remove a word of a grid and the blanks before it."""
     text = reading.raw_line(span.line)[: span.column - 1]
     start = len(text.rstrip(" ")) + 1
     return Edit(Span(span.line, start, span.line, span.end_column), "")

@@ -49,7 +49,7 @@ def core_of(term: Term, variable: Variable) -> Core | None:
 
 
 def cores(variable: Variable) -> dict[str, Core] | None:
-    """Return the core of each term in the order of their middles; None where one has none."""
+    """Return the core of each term, ordered by middles; None if a term has none."""
     cores_of_terms = {term.name: core_of(term, variable) for term in variable.terms}
     cores_found = {name: core for name, core in cores_of_terms.items() if core is not None}
     if len(cores_found) < len(cores_of_terms):

@@ -156,7 +156,7 @@ class _Function:
         The definition.
     writes : set of str
         Arguments, or fields of them (:func:`part_name`), that it writes to.
-    asks : set of tuple of (Array, frozenset of str)
+    address_calls : set of tuple of (Array, frozenset of str)
         For each call by address, the arrays passed: their type, and the arguments whose memory they
         may share.
     """
@@ -178,7 +178,7 @@ class _Function:
         self.returned: Type = Nothing.NOTHING
         self.text = ""
         self.writes: set[str] = set()
-        self.asks: set[tuple[tuple[Array, frozenset[str]], ...]] = set()
+        self.address_calls: set[tuple[tuple[Array, frozenset[str]], ...]] = set()
         self._memory = {name: frozenset((name,)) for name in self.parameters}
         self._returns: Type | None = None
         self._temporaries = 0
@@ -509,7 +509,9 @@ class _Function:
     def function_called(self, node: ast.Call, function: Any) -> TypedText:
         arguments = [self.value(argument) for argument in node.args]
         if function is call:
-            self.asks.add(tuple((Array(array.type), array.memory) for array in arguments[1:]))
+            self.address_calls.add(
+                tuple((Array(array.type), array.memory) for array in arguments[1:])
+            )
             return TypedText(self.target.call(arguments[0].text, arguments[1:]), Nothing.NOTHING)
         if isinstance(function, type) and issubclass(function, tuple):
             return self.record(arguments, function._fields)  # type: ignore[attr-defined]
@@ -531,8 +533,10 @@ class _Function:
         }
         for name in helper.writes:
             self.writes |= memory[name]
-        for request in helper.asks:
-            self.asks.add(tuple((type_, _together_in(memory, names)) for type_, names in request))
+        for request in helper.address_calls:
+            self.address_calls.add(
+                tuple((type_, _together_in(memory, names)) for type_, names in request)
+            )
         returns_arrays = isinstance(helper.returned, Array | TupleType)
         return _together_in(memory, memory) if returns_arrays else frozenset()
 

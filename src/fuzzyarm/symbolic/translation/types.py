@@ -10,7 +10,7 @@ from typing import NamedTuple
 class Scalar(Enum):
     """A number type; the wider of two, further down, holds values of both.
 
-    Integers have 64 bits; short ones have 32, of which a vector holds twice as many.
+    Integers have 64 bits; short ones have 32, so a vector holds twice as many.
     """
 
     TRUTH = "truth"
