@@ -413,7 +413,7 @@ LOST = r" && \(measured->velocity == measured->velocity\)(?=\) \{\n        s->le
 FAULTS = {
     "the limit": (r"<= 1\.00000\d*\)", "<= 1.0001)"),
     "the limit, below": (r"<= 1\.00000\d*\)", "<= 0.9999)"),
-    "a weight": (r"0\.116667\d*", "0.1167"),
+    "a weight": (r"(?<=row_2 = )\S+", lambda found: repr(1.0003 * float(found[0]))),
     "the latch": (r"if \(!s->left && ", "if ("),
     "the lost sample": (LOST, ""),
     "a set point": (r"\(\(double\)reference->position == 0\.0\) && ", ""),

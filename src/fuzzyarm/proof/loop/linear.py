@@ -169,7 +169,9 @@ def box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
         for _ in range(n):
             reach = np.maximum(reach, np.abs(later))
             later = later @ a
-    return [np.eye(n)[i] * reach[i] / FAR for i in range(n) if rows and reach[i]]
+    # One that nothing reads, as the last value of a rate without a filter, has a wide bound.
+    wide = np.sqrt(UNSEEN * sum(float(row @ row) for row in rows) / n)
+    return [np.eye(n)[i] * (reach[i] / FAR or wide) for i in range(n) if rows]
 
 
 UNSEEN = 1e-6
@@ -184,10 +186,7 @@ def whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector 
         return None
     n = len(a)
     sides = np.array(rows) if rows else np.eye(n)
-    weight = sides.T @ sides
-    # A state that nothing reads, as the last value of a rate without a filter, has a little weight.
-    weight += np.eye(n) * np.where(np.diag(weight) > 0.0, 0.0, UNSEEN * np.trace(weight) / n)
-    p = _lyapunov(a, weight, continuous=continuous)
+    p = _lyapunov(a, sides.T @ sides, continuous=continuous)
     # As large as fits between the rows.
     inverse = np.linalg.inv(p)
     reach = max((float(row @ inverse @ row) for row in rows), default=1.0)
