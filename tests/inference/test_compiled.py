@@ -679,6 +679,15 @@ def test_a_call_by_position_or_by_name_or_in_one_is_the_same(
     assert all(str(each) == str(found[0]) for each in found)
 
 
+@pytest.mark.parametrize("interpreted", [False, True])
+def test_a_point_in_order_takes_numbers_only(gap: RuleBase, interpreted: bool) -> None:
+    fast = Compiled(gap, interpreted=interpreted)
+    assert fast.at(0.25) == fast.at(np.float32(0.25))
+    for value in ([0.1, 0.3], np.array([0.1, 0.3]), {"e": 0.3}, "0.3"):
+        with pytest.raises(NotANumberError):
+            fast.at(value)
+
+
 def outcome_of(function: Callable[..., Any], *given: Any, **named: Any) -> Any:
     """Return a result, or the error."""
     try:

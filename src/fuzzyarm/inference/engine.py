@@ -5,7 +5,7 @@ A rule base has a kernel for each of its stages (:mod:`.stages`), nearly always 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import ref
@@ -15,7 +15,7 @@ from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.inputs import bring_into_range, check_names, floats_of, holds_arrays
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.prepared import remembered
-from fuzzyarm.inference.stage import PointFunctions, Stage
+from fuzzyarm.inference.stage import Fallbacks, PointFunctions, Stage
 from fuzzyarm.inference.stages import stages
 from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.symbolic.kernels import has_machine_code
@@ -85,7 +85,8 @@ class Compiled:
         self._inputs = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
         try:
-            otherwise = partial(_otherwise, ref(self), rulebase)
+            engine = partial(_engine, ref(self), rulebase)
+            otherwise = Fallbacks(partial(_at, engine), partial(_call, engine))
             machine_code = not interpreted and has_machine_code()
             self._stages = [
                 Stage(stage, len(self._inputs), otherwise, machine_code=machine_code)
@@ -96,7 +97,7 @@ class Compiled:
         self.reason = next((stage.reason for stage in self._stages if stage.reason), "")
         machine = all(stage.compiled for stage in self._stages)
         self.kernel = "machine code" if machine else "python"
-        at, self.named_point, call = PointFunctions(self.at, self._named, otherwise)
+        at, self.named_point, call = PointFunctions(self.at, self._named, otherwise.call)
         if len(self._stages) == 1:  # the fast path: no call in between
             at, self.named_point, call = self._stages[0].functions
             vars(self)["at"] = at
@@ -209,9 +210,19 @@ def kept(rulebase: RuleBase) -> Compiled:
     return Compiled(rulebase)
 
 
-def _otherwise(engine: ref[Compiled], rulebase: RuleBase, *values: Any, **named: Any) -> Any:
-    """Evaluate a point that the kernel does not cover, also when `at` outlives its engine."""
-    return (engine() or kept(rulebase)).general(*values, **named)
+def _engine(engine: ref[Compiled], rulebase: RuleBase) -> Compiled:
+    """Return an engine, or one like it when `at` outlives it."""
+    return engine() or kept(rulebase)
+
+
+def _at(engine: Callable[[], Compiled], *values: Any) -> tuple[float, ...]:
+    """Evaluate an extraordinary point."""
+    return Compiled.at(engine(), *values)
+
+
+def _call(engine: Callable[[], Compiled], *values: Any, **named: Any) -> Any:
+    """Evaluate arguments of any kind."""
+    return engine().general(*values, **named)
 
 
 def compiled(rulebase: AnyRuleBase) -> Compiled:

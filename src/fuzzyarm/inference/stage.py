@@ -50,6 +50,13 @@ class PointFunctions(NamedTuple):
     call: Callable[..., Any]
 
 
+class Fallbacks(NamedTuple):
+    """Evaluators of an extraordinary point, or of arguments of any kind."""
+
+    at: Callable[..., tuple[float, ...]]
+    call: Callable[..., Any]
+
+
 class Stage:
     """The kernel with the numbers of one stage of a rule base; see :mod:`.stages`.
 
@@ -59,9 +66,8 @@ class Stage:
         The stage.
     own : int
         Number of its inputs, the first, that are inputs of the whole; the rest are earlier outputs.
-    otherwise : callable
-        Fallback for an extraordinary point: from arguments, by position or by name, to
-        the outputs by name.
+    otherwise : Fallbacks
+        What `at` and `call` of its functions give way to.
     machine_code : bool
         Whether to use machine code where available.
 
@@ -88,7 +94,7 @@ class Stage:
         self,
         rulebase: RuleBase,
         own: int,
-        otherwise: Callable[..., Any],
+        otherwise: Fallbacks,
         *,
         machine_code: bool,
     ) -> None:
@@ -108,7 +114,7 @@ class Stage:
             with suppress(ValueError):  # more inputs than machine code of a point accepts
                 bindings = bindings_for(block.numbers)
                 return PointFunctions(
-                    *point_functions(evaluate, bindings, block.numbers, *places, otherwise)
+                    *point_functions(evaluate, bindings, block.numbers, *places, *otherwise)
                 )
         columns = block.numbers[block.columns : block.columns + len(inputs)]
         results = block.numbers[block.results : block.results + len(outputs)]
@@ -132,8 +138,10 @@ class Stage:
             return None if found is None or any(map(math.isnan, found)) else found
 
         def at(*values: Any) -> tuple[float, ...]:
-            found = ordinary(values) if len(values) == len(inputs) else None
-            return tuple(otherwise(*values).values() if found is None else found)
+            # `float` reads text, which is not a number here either.
+            plain = len(values) == len(inputs) and not any(isinstance(x, str) for x in values)
+            found = ordinary(values) if plain else None
+            return otherwise.at(*values) if found is None else tuple(found)
 
         def named(arguments: Mapping[str, Any]) -> dict[str, float] | None:
             if arguments.keys() != set(inputs):
@@ -143,7 +151,7 @@ class Stage:
             found = ordinary(values) if plain else None
             return None if found is None else dict(zip(outputs, found, strict=True))
 
-        return PointFunctions(at, named, otherwise)
+        return PointFunctions(at, named, otherwise.call)
 
     def without(self, missing: tuple[str, ...]) -> Stage:
         """Return the stage where the earlier outputs in `missing` have no value; itself if none."""

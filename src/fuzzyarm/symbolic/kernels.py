@@ -411,7 +411,8 @@ def point_functions(
     block: Any,
     inputs: tuple[int, tuple[str, ...]],
     outputs: tuple[int, tuple[str, ...]],
-    otherwise: Callable[..., Any],
+    at_otherwise: Callable[..., tuple[float, ...]],
+    call_otherwise: Callable[..., Any],
 ) -> tuple[Callable[..., Any], ...]:
     """Return the evaluators of one point as machine code.
 
@@ -423,9 +424,8 @@ def point_functions(
         Its numbers, shared by all threads.
     inputs, outputs : tuple
         Index of the first one in the block, and their names.
-    otherwise : callable
-        Fallback of `at` and `call` for a point that is not ordinary: from their arguments to a
-        dictionary of the outputs.
+    at_otherwise, call_otherwise : callable
+        What `at` and `call` give way to at a point that is not ordinary.
 
     Returns
     -------
@@ -440,7 +440,7 @@ def point_functions(
     module: Any = _module()
     address = address_of(function, 1, bindings, compiled=True)
     functions: tuple[Callable[..., Any], ...] = module.point(
-        address, block, *inputs, *outputs, otherwise
+        address, block, *inputs, *outputs, at_otherwise, call_otherwise
     )
     return functions
 

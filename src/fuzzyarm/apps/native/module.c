@@ -412,7 +412,7 @@ typedef struct {
   int held;
   double *x, *y;                /* where inputs and outputs stand in the block */
   Py_ssize_t inputs, outputs;   /* how many there are */
-  PyObject *input_names, *output_names, *otherwise;
+  PyObject *input_names, *output_names, *at_otherwise, *call_otherwise;
 } Point;
 
 static PyTypeObject *point_type;
@@ -423,7 +423,8 @@ static void point_free(PyObject *object) {
   if (self->held) PyBuffer_Release(&self->block);
   Py_XDECREF(self->input_names);
   Py_XDECREF(self->output_names);
-  Py_XDECREF(self->otherwise);
+  Py_XDECREF(self->at_otherwise);
+  Py_XDECREF(self->call_otherwise);
   PyObject_Free(object);
   Py_DECREF(type);
 }
@@ -453,25 +454,6 @@ static int read_number(PyObject *value, double *number) {
   return 0;
 }
 
-/* Give the inputs of a point in their order to what evaluates any; the outputs in their order. */
-static PyObject *elsewhere(const Point *self, PyObject *const *values, Py_ssize_t count) {
-  PyObject *tuple = PyTuple_New(count), *list = NULL;
-  if (tuple == NULL) return NULL;
-  for (Py_ssize_t k = 0; k < count; k++) {
-    Py_INCREF(values[k]);
-    PyTuple_SetItem(tuple, k, values[k]);
-  }
-  PyObject *outputs = PyObject_CallObject(self->otherwise, tuple);
-  Py_DECREF(tuple);
-  if (outputs == NULL) return NULL;
-  list = PyMapping_Values(outputs);
-  Py_DECREF(outputs);
-  if (list == NULL) return NULL;
-  tuple = PyList_AsTuple(list);
-  Py_DECREF(list);
-  return tuple;
-}
-
 /* From inputs in their order to a tuple; what is not ordinary goes elsewhere. */
 static PyObject *point_at(PyObject *object, PyObject *const *values, Py_ssize_t count) {
   Point *self = (Point *)object;
@@ -480,8 +462,16 @@ static PyObject *point_at(PyObject *object, PyObject *const *values, Py_ssize_t 
   if (count == self->inputs)
     while (read < count && read_number(values[read], &given[read]) == 0) read++;
   PyObject *tuple;
-  if (read < self->inputs || read != count || !point_evaluate(self, given))
-    return elsewhere(self, values, count);
+  if (read < self->inputs || read != count || !point_evaluate(self, given)) {
+    if ((tuple = PyTuple_New(count)) == NULL) return NULL;
+    for (Py_ssize_t k = 0; k < count; k++) {
+      Py_INCREF(values[k]);
+      PyTuple_SetItem(tuple, k, values[k]);
+    }
+    PyObject *result = PyObject_CallObject(self->at_otherwise, tuple);
+    Py_DECREF(tuple);
+    return result;
+  }
   if ((tuple = PyTuple_New(self->outputs)) == NULL) return NULL;
   for (Py_ssize_t k = 0; k < self->outputs; k++) {
     PyObject *value = PyFloat_FromDouble(self->y[k]);
@@ -529,7 +519,7 @@ static PyObject *point_call(PyObject *object, PyObject *values, PyObject *named)
     if (found != Py_None) return found;
     Py_DECREF(found);
   }
-  return PyObject_Call(((Point *)object)->otherwise, values, named);
+  return PyObject_Call(((Point *)object)->call_otherwise, values, named);
 }
 
 static PyMethodDef at_method = {
@@ -544,10 +534,10 @@ static PyMethodDef point_call_method = {
 static PyObject *point(PyObject *module, PyObject *arguments) {
   (void)module;
   unsigned long long address;
-  PyObject *block, *input_names, *output_names, *otherwise;
+  PyObject *block, *input_names, *output_names, *at_otherwise, *call_otherwise;
   Py_ssize_t x, y;
-  if (!PyArg_ParseTuple(arguments, "KOnO!nO!O", &address, &block, &x, &PyTuple_Type, &input_names,
-                        &y, &PyTuple_Type, &output_names, &otherwise))
+  if (!PyArg_ParseTuple(arguments, "KOnO!nO!OO", &address, &block, &x, &PyTuple_Type, &input_names,
+                        &y, &PyTuple_Type, &output_names, &at_otherwise, &call_otherwise))
     return NULL;
   const table_row *row = row_of(address);
   const Py_ssize_t inputs = PyTuple_Size(input_names), outputs = PyTuple_Size(output_names);
@@ -561,7 +551,8 @@ static PyObject *point(PyObject *module, PyObject *arguments) {
   self->held = 0;
   Py_INCREF(self->input_names = input_names);
   Py_INCREF(self->output_names = output_names);
-  Py_INCREF(self->otherwise = otherwise);
+  Py_INCREF(self->at_otherwise = at_otherwise);
+  Py_INCREF(self->call_otherwise = call_otherwise);
   PyObject *functions = NULL;
   if (take(block, 'f', 1, &self->block) == 0) {
     self->held = 1;
