@@ -9,7 +9,7 @@ from rule_bases import rule_bases
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.control.controllers import Sources, controller
 from fuzzyarm.control.controllers.code import SourceError
-from fuzzyarm.control.controllers.rule_blocks import evaluate_view, rule_block
+from fuzzyarm.control.controllers.program import evaluate_view, rule_block
 from fuzzyarm.control.loop import Options, simulate
 from fuzzyarm.inference import InferenceError, infer
 from fuzzyarm.inference import kernel as inference_kernel

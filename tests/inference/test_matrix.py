@@ -16,7 +16,7 @@ import pytest
 from budget import cases, part
 from needs import requires
 
-from fuzzyarm.control.controllers.rule_blocks import rule_block
+from fuzzyarm.control.controllers.program import rule_block
 from fuzzyarm.exchange.export import export_files, routines_of
 from fuzzyarm.exchange.formats import PRODUCERS, write
 from fuzzyarm.inference import compiled

@@ -9,6 +9,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,12 @@ from fuzzyarm.control.controllers.code import (
     Wiring,
 )
 from fuzzyarm.control.controllers.law import LawBlock
-from fuzzyarm.control.controllers.rule_blocks import KernelRuleBlock, rule_block
 from fuzzyarm.control.controllers.updates import update_address
+from fuzzyarm.inference import kernel as inference_kernel
+from fuzzyarm.inference.block import NotCoveredError, make_block
+from fuzzyarm.inference.layout import lay_out
+from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.language.model.controller import (
     Axes,
     ControllerModel,
@@ -628,6 +633,57 @@ def skipped_drives(
                 sent = hold((sent or 0.0) + value)
             drives[line.port] = hold(idle + line.idle), sent
     return drives
+
+
+class KernelRuleBlock(NamedTuple):
+    """A rule base for the kernel at a point: numbers, indices of inputs and results, the kernel."""
+
+    numbers: NDArray[np.float64]
+    first_input: int
+    first_result: int
+    address: int
+
+
+def rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
+    """Lay out a rule base for :func:`inference_address`; its numbers stay unchanged."""
+    return _compiled_block(rulebase) if compiled else _interpreted_block(rulebase)
+
+
+@remembered
+def _compiled_block(rulebase: RuleBase) -> KernelRuleBlock:
+    return _rule_block(rulebase, compiled=True)
+
+
+@remembered
+def _interpreted_block(rulebase: RuleBase) -> KernelRuleBlock:
+    return _rule_block(rulebase, compiled=False)
+
+
+def _rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
+    try:
+        layout = lay_out(plan(rulebase), compiled=compiled, point_only=True)
+    except NotCoveredError as error:
+        raise SourceError(
+            f"a controller cannot evaluate '{rulebase.name}' at every step: {error}",
+            hint="compile it to a table and look it up in that",
+        ) from None
+    block = make_block(layout, 1)
+    numbers = np.asarray(block.numbers)
+    address = inference_address(numbers, compiled=compiled)
+    return KernelRuleBlock(numbers, block.columns, block.results, address)
+
+
+def evaluate_view(block: Any) -> None:
+    """Evaluate a rule base as plain Python, over the memory view of an interpreted loop."""
+    inference_kernel.evaluate(np.asanyarray(block))
+
+
+def inference_address(numbers: NDArray[np.float64], *, compiled: bool) -> int:
+    """Return the address of the inference kernel for a rule base."""
+    if not compiled:
+        return address_of(evaluate_view, 1, compiled=False)
+    bindings = inference_kernel.bindings_for(numbers)
+    return address_of(inference_kernel.evaluate, 1, bindings, compiled=True)
 
 
 def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:
