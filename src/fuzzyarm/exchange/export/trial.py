@@ -59,15 +59,15 @@ _EVALUATED = replace(
 
 def _remembering(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that keeps its results: an error that is tried leaves most axes alone."""
-    kept: dict[str, Any] = {}
+    results: dict[str, Any] = {}
 
-    def asked(*numbers: Any) -> Any:
+    def remembering(*numbers: Any) -> Any:
         key = repr(numbers)  # of 0 with its sign
-        if key not in kept:
-            kept[key] = function(*numbers)
-        return kept[key]
+        if key not in results:
+            results[key] = function(*numbers)
+        return results[key]
 
-    return asked
+    return remembering
 
 
 class EvaluatedController:

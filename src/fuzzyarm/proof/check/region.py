@@ -516,8 +516,8 @@ def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number
 
 def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
     """Return the contents of a region as facts of a verdict."""
-    starts = where_states_are(problem, loop, region, ONE)
-    for name in set(starts) - set(rests_of(loop)):  # of all points of its ball
+    starts, rests = where_states_are(problem, loop, region, ONE), rests_of(loop)
+    for name in set(starts) - set(rests):  # of all points of its ball
         low, high = starts[name]
         width = float_above(loop.rest[name]) - float_below(loop.rest[name])
         starts[name] = low + width, high - width
@@ -525,7 +525,7 @@ def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -
         "region": starts,
         "start_region": _along_alone(problem, loop, region.p),
         "rest": {name: float(loop.rest[name]) for name in loop.names},
-        "rests": rests_of(loop),
+        "rests": rests,
         "fall": float(region.rate),
         "continuous": region.continuous,
         "uncertain": loop.words,
