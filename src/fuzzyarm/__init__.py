@@ -75,8 +75,7 @@ Rooms, each with public names of its own; every one imports only those before it
     plant               Plants: the protocol, the two-link arm of the study with its
                         trajectories, shipped plants.
     control             The closed loop: control laws, and runs of them on a plant.
-    proof               Proofs: of a rule base at every point, and of a controller in its
-                        loop.
+    proof               Proofs: of a rule base at every point, of a closed loop from every start.
     learning            Rule bases from samples, and judged by samples; controllers that learn
                         along a trajectory.
     exchange            Files and objects of other programs, and programs for other machines.

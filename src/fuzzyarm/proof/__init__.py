@@ -1,4 +1,4 @@
-"""Proofs: of a rule base at every point, and of a controller in its loop.
+"""Proofs: of a rule base at every point, of a closed loop from every start.
 
 Read :mod:`.map.prover` first, then :mod:`.claim.problem` and :mod:`.check`. Every
 number that enters a verdict is rounded outward.
@@ -8,9 +8,9 @@ map
 check
     The checker of certificates, which imports nothing of the search.
 claim
-    Claims about a loop, in words and as the loop in question.
+    Claims about a loop: their text, and the loop that they name.
 loop
-    A controller with its plant: regions that no run leaves, tubes, and their certificates.
+    A controller with its plant: invariant regions, tubes, and their certificates.
 """
 
 from __future__ import annotations

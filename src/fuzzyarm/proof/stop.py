@@ -1,4 +1,4 @@
-"""The time that a proof may take, and whom it tells of its progress."""
+"""The time budget of a proof, and the reports of its progress."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from fuzzyarm.base.errors import FuzzyarmError
 
 
 class TimeOverError(FuzzyarmError, TimeoutError):
-    """The time for a proof is over."""
+    """The time budget of a proof is spent."""
 
     def __init__(self) -> None:
         super().__init__("time ran out")
 
 
 PATIENCE = 10.0
-"""Seconds on the clock for each second of work, after which a proof gives up whatever it did."""
+"""Wall-clock seconds for each second of work, after which a proof gives up in any case."""
 
 _worked = getattr(time, "thread_time", time.process_time)
 
@@ -30,25 +30,24 @@ _running: ContextVar[Stop | None] = ContextVar("running", default=None)
 
 
 def check_time() -> None:
-    """Raise TimeOverError when the time is over in which a stop lets everything be computed."""
+    """Raise TimeOverError when the time of an enclosing stop is over."""
     stop = _running.get()
     if stop is not None:
         stop.check()
 
 
 class Stop:
-    """When to give up, and whom to tell of the progress.
+    """A time budget, and a listener for progress.
 
-    ``with stop:`` limits all that is computed within, exact arithmetic and stops of its own too.
+    ``with stop:`` limits all work inside, exact arithmetic and inner stops included.
 
-    Time is that of work: the processor's, in the thread that makes the stop. So a verdict is the
-    same on a machine that does something else beside. The clock is an upper stop, see
-    :data:`PATIENCE`.
+    Time is processor time of the thread that makes the stop, so that a verdict does not depend on
+    the load of the machine. The clock is an upper limit, see :data:`PATIENCE`.
 
     Parameters
     ----------
     seconds : float
-        How long a proof may work.
+        Processor time allowed.
     tell : callable, optional
         Called with the number of open pieces and the gap between the bounds; NaN before there are
         bounds, while pieces are still being cut.
@@ -74,15 +73,15 @@ class Stop:
 
     @property
     def spent(self) -> float:
-        """How many seconds were worked."""
+        """Seconds of work so far."""
         on_the_clock = time.monotonic() - self._begun
-        if threading.get_ident() != self._thread:  # whose work is not known
+        if threading.get_ident() != self._thread:  # another thread's work is unknown
             return on_the_clock
         return max(_worked() - self._work, on_the_clock / PATIENCE)
 
     @property
     def left(self) -> float:
-        """How many seconds are left."""
+        """Seconds left."""
         left = self._seconds - self.spent
         return left if self._outer is None else min(left, self._outer.left)
 
@@ -94,17 +93,17 @@ class Stop:
         return over or (self._outer is not None and self._outer.now)
 
     def half(self) -> Stop:
-        """Return the first half of the time that is left, for the first of two searches."""
+        """Return a stop with half of the time left, for the first of two searches."""
         return Stop(0.5 * self.left, self.tell)
 
     def check(self, count: int = 0) -> None:
-        """Raise TimeOverError when time is over; tell how many pieces there are by now."""
+        """Raise TimeOverError when time is over; report the number of open pieces."""
         if self.now:
             raise TimeOverError
         if count:
             self.say(count)
 
     def say(self, count: int, gap: float = math.nan) -> None:
-        """Tell how many pieces there are, and how far apart the bounds."""
+        """Report the number of open pieces and the gap between the bounds."""
         if self.tell is not None:
             self.tell(count, gap)

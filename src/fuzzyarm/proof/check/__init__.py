@@ -1,4 +1,4 @@
-"""The checker of certificates: nothing of the search, and arithmetic that others keep.
+"""The checker of certificates: independent of the search, in third-party arithmetic.
 
 Read :mod:`.certificate` first, then :mod:`.checking`. A region goes through :mod:`.region`,
 :mod:`.loop` and :mod:`.lines`, a tube through :mod:`.tube`; both through the checker's own control

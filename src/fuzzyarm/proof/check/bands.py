@@ -7,8 +7,8 @@ the values Lⱼ at the corners
 
     u - k·x = (N - L D) / D,    (N - L D)_γ = N_γ - Σⱼ γⱼ/d · Lⱼ D_{γ - eⱼ},    |γ| = d,
 
-so that no value is beyond the largest quotient of coefficients. Which plane it is matters only for
-how wide the band becomes: least squares over the corners.
+so that no value exceeds the largest quotient of coefficients. Any plane is sound; least squares
+over the corners make the band narrow.
 """
 
 from __future__ import annotations
@@ -30,14 +30,13 @@ from fuzzyarm.proof.check.rules import RuleSurface
 from fuzzyarm.proof.check.spans import Spans, Vector
 
 OFF = 2.0**-42
-"""Of the largest coefficient: 2,000 roundings, more than converting and cutting a piece take."""
+"""Error per largest coefficient: 2,000 roundings, more than converting and cutting take."""
 
 BEYOND = 2.0**-36
-"""Of a share: by how much more of a piece is taken in than a box meets, so that no rounding leaves
-a gap."""
+"""Widening of a share, so that no rounding leaves a gap between a box and a piece."""
 
 MOST_PAIRS = 20_000
-"""Boxes with a piece each that are looked at at once."""
+"""Pairs of a box and a piece that are evaluated at once."""
 
 
 class RuleBands:
@@ -51,7 +50,7 @@ class RuleBands:
     Attributes
     ----------
     why : str
-        Why nothing was known of the last box without a result.
+        Why the last box without a result had none.
     """
 
     def __init__(self, surface: RuleSurface) -> None:
@@ -101,7 +100,7 @@ class RuleBands:
 
     @cached_property
     def _lattice(self) -> tuple[list[tuple[int, ...]], Vector, NDArray[np.int64]]:
-        """Of each coefficient: an index of its tensor, γⱼ/d, and the coefficient of γ − eⱼ."""
+        """For each coefficient: an index of its tensor, γⱼ/d, and the coefficient of γ − eⱼ."""
         below = list(combinations_with_replacement(range(self.count), self.degree - 1))
         above = list(combinations_with_replacement(range(self.count), self.degree))
         places = {index: k for k, index in enumerate(below)}
@@ -118,16 +117,16 @@ class RuleBands:
     # --- questions ---
 
     def band(self, inputs: Sequence[Spans]) -> tuple[list[Vector], Vector, Vector]:
-        """Return slopes of planes, and where the output is less the plane, over boxes.
+        """Return slopes of planes over boxes, and bounds of the output minus the plane.
 
-        Infinite where nothing is known: a term jumps there, there is no value, or it is far away.
+        The bounds are infinite where a term jumps, the output has no value, or the box is far off.
         """
         shape = np.broadcast_shapes(*(x.low.shape for x in inputs))
         low, high = (np.stack([np.broadcast_to(end, shape) for end in ends])
                      for ends in ([x.low for x in inputs], [x.high for x in inputs]))  # fmt: skip
         lost = ~np.isfinite(low).all(axis=0) | ~np.isfinite(high).all(axis=0)
         for k, (variable, (first, last)) in enumerate(zip(self.variables, self.ends, strict=True)):
-            if variable.outside == "clamp":  # what is brought back is never beyond
+            if variable.outside == "clamp":  # clamped inputs are never outside
                 low[k], high[k] = np.clip(low[k], first, last), np.clip(high[k], first, last)
             beyond = ~((low[k] >= first) & (high[k] <= last))
             jumps = np.zeros(shape, dtype=bool)
@@ -148,7 +147,7 @@ class RuleBands:
         return list(slopes), least, most
 
     def _parts(self, low: Vector, high: Vector, known: NDArray[np.int64]) -> Sequence[Any]:
-        """Return the known boxes in groups of not too many pairs with pieces."""
+        """Return the known boxes in groups with a limited number of pairs with pieces."""
         if not len(known):
             return []
         met = self._met(low[:, known], high[:, known]).sum(axis=1)
@@ -156,7 +155,7 @@ class RuleBands:
         return [known[a:b] for a, b in pairwise(np.unique([*ends, 0, len(known)])) if a < b]
 
     def _met(self, low: Vector, high: Vector) -> NDArray[np.bool_]:
-        """Tell which boxes may meet which pieces, by the boxes around these; (boxes, pieces)."""
+        """Return which boxes may meet which pieces, by their bounding boxes; (boxes, pieces)."""
         met = np.ones((low.shape[1], len(self.corners)), dtype=bool)
         for k in range(self.size):
             first, last = self.corners[:, :, k].min(axis=1), self.corners[:, :, k].max(axis=1)
@@ -173,7 +172,7 @@ class RuleBands:
         box, piece, shares, room = box[here], piece[here], shares[here], room[here]
         faulty = np.zeros(boxes, dtype=bool)
         np.logical_or.at(faulty, box, self.faulty[piece])
-        # The corners of the smaller simplex: one share is all that is left, and a little more.
+        # The corners of the smaller simplex: one share gets all of the remainder, rounded up.
         left = room + self.count * BEYOND
         corners = shares[:, None, :] - BEYOND + left[:, None, None] * np.eye(self.count)
         upper = _turned(self.upper[piece], corners)
@@ -195,7 +194,7 @@ class RuleBands:
         doubt = OFF * self.sizes[1][piece]
         sure = (raised > 2.0 * doubt[:, None]).all(axis=1)
         found = gap / raised
-        # Of a quotient whose parts are off; what is divided by is more than half of itself.
+        # Error of a quotient with inexact parts; the denominator is more than half of its value.
         off = 2.0 * (OFF * size[:, None] + doubt[:, None] * np.abs(found)) / raised
         least, most = np.full(boxes, np.inf), np.full(boxes, -np.inf)
         np.minimum.at(least, box, np.where(sure, (found - off).min(axis=1), -np.inf))
@@ -206,7 +205,7 @@ class RuleBands:
         return slopes, np.where(nothing, -np.inf, least), np.where(nothing, np.inf, most)
 
     def _least_shares(self, low: Vector, high: Vector, piece: NDArray[np.int64]) -> Vector:
-        """Return the least shares of points of boxes in pieces, rounded down; > 1: none is there.
+        """Return least shares of boxes in pieces, rounded down; infinite if they are apart.
 
         λᵢ(x) = Σ gᵢₖ (xₖ − x₀ₖ), and 1 more for the corner x₀ itself.
         """
@@ -226,7 +225,7 @@ class RuleBands:
         self, box: NDArray[np.int64], boxes: int, low: Vector, high: Vector, places: Vector,
         heights: Vector,
     ) -> Vector:  # fmt: skip
-        """Return slopes of planes near some points, by least squares: a hint, any will do."""
+        """Return slopes of planes near some points, by least squares: any are sound."""
         n = self.size
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         wide = np.array([last - first for first, last in self.ends])[:, None]
@@ -245,12 +244,12 @@ class RuleBands:
 
 
 def _sum(terms: Iterable[Vector]) -> Vector:
-    """Return a sum in its order, of each box the same whatever is beside it."""
+    """Return a sum in a fixed order: a box's result does not depend on its neighbours."""
     return functools.reduce(np.add, terms)
 
 
 def _turned(tensors: Vector, corners: Vector) -> Vector:
-    """Return tensors with the shares of new corners applied to each index."""
+    """Return tensors in the coordinates of new corners: their shares applied to each index."""
     shape = tensors.shape
     for _ in shape[1:]:
         turned = corners @ tensors.reshape(shape[0], shape[1], -1)
@@ -259,6 +258,6 @@ def _turned(tensors: Vector, corners: Vector) -> Vector:
 
 
 def _picked(tensors: Vector, indices: Sequence[tuple[int, ...]]) -> Vector:
-    """Return some entries of each tensor."""
+    """Return selected entries of each tensor."""
     places = np.ravel_multi_index(tuple(np.transpose(indices)), tensors.shape[1:])
     return np.asarray(tensors.reshape(len(tensors), -1)[:, places])

@@ -1,9 +1,9 @@
-"""The one format of certificates: regions that no run leaves, and tubes that lead into them.
+"""The one format of certificates: invariant regions, and tubes that lead into them.
 
-A certificate says of which claim and which loop it is, and holds what is hard to find: of a region
-P, multipliers and the gains of rule bases; of a tube a box of starts, for how many periods it is
-followed, and where it arrives. A file may be anybody's. So nothing is converted that was not
-written so: a number of the proof is the text of a rational, as ``"-3/4"``.
+A certificate names its claim and its loop, and holds the results of the search: for a region
+P, multipliers and the gains of rule bases; for a tube a box of starts, its number of periods and
+its destination. A file may come from anyone. So reading converts no types: a number of the proof
+is the text of a rational, as ``"-3/4"``.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ Pair = tuple[Fraction, Fraction]
 
 
 class CertificateError(LoopProofError):
-    """A file is not a certificate, or not of this controller."""
+    """A file is not a certificate, or belongs to another controller."""
 
 
 # ── records ──────────────────────────────────────────────────────────────────────────
 
 
 class Gains(NamedTuple):
-    """Claim about one output of a rule base, or of a table, for its inputs in a region."""
+    """Claim about an output of a rule base or table, for inputs in a region."""
 
-    region: Mapping[str, Pair]  # of the inputs that move
-    between: Pair  # where the output lies there
+    region: Mapping[str, Pair]  # of the moving inputs
+    between: Pair  # bounds of the output there
     # Of the inputs in σ, where the output is σ times one gain; empty: it has slopes
     weights: Mapping[str, Fraction]
     gains: Mapping[str, Pair]  # the gain along σ, by ``""``; or the slopes, by input
@@ -58,30 +58,29 @@ class Gains(NamedTuple):
 class Evidence:
     """A certificate's claims about a loop near its equilibrium, to be checked."""
 
-    # By the name of a row of P, the symbol of the program that it is; states of the plant are not
-    # there
+    # Symbol of the program for each row of P; without states of the plant
     memory: Mapping[str, str]
-    # By the name of a row of P, the middle and the radius of an interval that holds its rest
+    # Midpoint and radius of an interval around the rest, by row of P
     rest: Mapping[str, Pair]
     gains: tuple[Gains, ...]  # in the order of the program
-    # Which entries of the plant's matrix are uncertain gains, and between what they are
+    # Entries of the plant's matrix that are uncertain gains, with their bounds
     spread: tuple[tuple[int, int, Fraction, Fraction], ...]
-    grip: Fraction  # least share of a signal's deviation that limits leave; 1: they are not reached
-    # By state of a plant that is not affine, how far it may be from rest
+    grip: Fraction  # least share of a deviation that passes a limit; 1: no limit is reached
+    # Largest deviation from rest by state, for a plant that is not affine
     box: Mapping[str, Fraction]
 
 
 class Fall(NamedTuple):
-    """Multipliers by which V falls from one cone to another."""
+    """Multipliers that show the fall of V from one cone to another."""
 
     multipliers: tuple[Fraction, ...]  # of the blocks
-    sides: Matrix  # of products of the signals that bound both cones
+    sides: Matrix  # for products of the signals that bound both cones
 
 
 class Cone(NamedTuple):
-    """A part of the states, in which some inputs of rule bases are on one side of their rest."""
+    """A cone of the state space, with some inputs of rule bases on one side of their rest."""
 
-    # In the order of the program, of regions that end at rest where an input has a side
+    # In the order of the program; an input with a side has a region that ends at rest
     gains: tuple[Gains, ...]
     p: Matrix  # of V in this part
     falls: tuple[Fall, ...]  # to each cone, in their order; one alone: to any
@@ -89,28 +88,27 @@ class Cone(NamedTuple):
 
 @dataclass(frozen=True)
 class RegionProof:
-    """A region V = zᵀPz ≤ 1 from which all runs go to rest; without cones none leaves it."""
+    """A region of attraction V = zᵀPz ≤ 1; without cones it is invariant."""
 
-    evidence: Evidence  # the facts about the loop that the proof uses
+    evidence: Evidence  # facts about the loop used in the proof
     continuous: bool  # whether the loop is taken in continuous time
     p: Matrix  # of V
     multipliers: tuple[Fraction, ...]  # of the blocks
-    rate: Fraction  # by what share V falls in each period
+    rate: Fraction  # least relative fall of V in each period
     states: tuple[str, ...]  # names of the rows of P
-    # Parts of the states with functions of their own, below V; then there are no multipliers
+    # Cones with their own functions, below V; then `multipliers` is empty
     cones: tuple[Cone, ...] = ()
-    # How many times its start zᵀPz may be at most, at any sample; 1 without cones
+    # Largest ratio of zᵀPz at any sample to zᵀPz at the start; 1 without cones
     growth: Fraction = Fraction(1)
 
 
 class TubeProof(NamedTuple):
-    """A box of starts that is followed."""
+    """A box of starts, followed sample by sample."""
 
-    box: tuple[Pair, ...]  # of each state of the plant; what the loop remembers is as it begins
-    periods: int  # for how many control periods at most
-    # Where it arrives: in the region of a number (``regions``), or after just so many periods in
-    # the union of the boxes of all ``tubes`` below a number; ``("", 0)`` where it is of a bounded
-    # time
+    box: tuple[Pair, ...]  # of each state of the plant; memory has its initial values
+    periods: int  # most control periods
+    # Destination: the region of a number (``regions``), or after exactly these periods the union of
+    # the boxes of all ``tubes`` below a number; ``("", 0)`` for a claim of bounded time
     into: tuple[Literal["regions", "tubes", ""], int] = ("", 0)
 
 
@@ -123,26 +121,26 @@ class Certificate:
     claim : LoopClaim
         The claim.
     controller : str
-        The file of the controller.
+        Path of the controller.
     fingerprints : dict of str to str
-        SHA-256 of the controller's file and of those that it uses, by name.
+        SHA-256 of the controller's file and of the files it uses, by name.
     regions : tuple of RegionProof
-        Each by itself.
+        Each proved by itself.
     tubes : tuple of TubeProof
-        Each leads into a region, or into boxes of tubes before it.
+        Each leads into a region, or into boxes of earlier tubes.
     sensors : dict of str to Sensor
-        By port, axis and name; exact ones are not there.
+        By port, axis and name; exact ones are left out.
     connect : dict of str to str
-        From names of the controller to ports of the plant, where they differ.
+        Port of the plant for each name of the controller that differs.
     digests : dict of str to str
-        SHA-256 of the controller and of the plant that were proved, as they were in memory.
+        SHA-256 of controller and plant, as they were in memory.
     window : tuple of (str, float, float)
-        Of a map: the starts of which the boxes of its tubes are a part, by state.
+        Of a map: the window around the boxes of its tubes, by state.
     delays : dict of str to float
-        Dead times of actuators by input, s; those of 0 are not there.
+        Dead times of actuators by input, s; zeros are left out.
     folder : str
-        Where the names of its files, `controller` and the plant of `claim`, count from: that of
-        its own file; empty for the working folder.
+        Base folder of the paths in it (`controller`, the plant of `claim`): that of its own file;
+        empty for the working folder.
     """
 
     claim: LoopClaim
@@ -158,17 +156,17 @@ class Certificate:
     folder: str = field(default="", compare=False)
 
     def place(self, name: str) -> str:
-        """Return a name of a file in it as it is from the working folder."""
+        """Return a path in the certificate relative to the working folder."""
         return beside(name, self.folder)
 
     def moved_to(self, folder: str) -> Certificate:
-        """Return it with the names of its files as they are from another folder."""
+        """Return the certificate with paths relative to another folder."""
 
         def moved(name: str) -> str:
             if not is_relative_file(name):
                 return name
             # Only folders are resolved: a file may be a link, and `..` of a linked folder is not
-            # the folder that its name has before it.
+            # the folder before it in the path.
             above, own = os.path.split(self.place(name))
             with suppress(ValueError):  # on another drive
                 above = os.path.relpath(os.path.realpath(above), os.path.realpath(folder))
@@ -184,11 +182,11 @@ class Certificate:
 
     @property
     def continuous(self) -> bool:
-        """Whether it is of the loop in continuous time."""
+        """Whether the loop is taken in continuous time."""
         return any(region.continuous for region in self.regions)
 
     def as_data(self) -> dict[str, Any]:
-        """Return it as plain data, sealed."""
+        """Return the certificate as plain data, sealed."""
         return sealed({
             "format": FORMAT,
             "claim": _claim_data(self.claim),
@@ -208,7 +206,7 @@ class Certificate:
 
     @property
     def seal(self) -> str:
-        """SHA-256 of its contents."""
+        """SHA-256 of the contents."""
         return str(self.as_data()["seal"])
 
 
@@ -216,11 +214,11 @@ class Certificate:
 
 
 SENSOR = ("delay", "resolution", "difference")
-"""Properties of a sensor that a certificate has."""
+"""Properties of a sensor in a certificate."""
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of a proof as JSON has it: records as objects, rationals as texts."""
+    """Return a value of a proof as JSON: records as objects, rationals as texts."""
     if isinstance(value, Fraction):
         return str(value)
     if isinstance(value, Mapping):
@@ -256,7 +254,7 @@ def _claim_data(claim: LoopClaim) -> dict[str, Any]:
         "from": _text(claim.begin),
         "to": _text(None if claim.end == math.inf else claim.end),
     }
-    # Only of claims that have them: those without keep the seal that they have had.
+    # Only for claims that have them: the seals of others stay the same.
     if claim.follows:
         data["while"] = [[each.port, each.kind, [*map(_text, each.numbers)]]
                          for each in claim.follows]  # fmt: skip
@@ -271,25 +269,25 @@ def _region_data(region: RegionProof) -> dict[str, Any]:
 
 
 def _seal(data: Mapping[str, Any]) -> str:
-    # Of the contents alone: neither the order of keys nor the layout of the file counts.
+    # The contents alone count: neither the order of keys nor the layout of the file.
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return data with the SHA-256 of its contents."""
+    """Return data together with the SHA-256 of its contents."""
     return {**data, "seal": _seal(data)}
 
 
 def write_certificate(certificate: Certificate, path: str) -> str:
     """Write a certificate, and return its seal.
 
-    Relative names of files are written as they are from the folder of `path`.
+    Relative paths are written relative to the folder of `path`.
 
     Parameters
     ----------
     certificate : Certificate
-        Which.
+        The certificate.
     path : str
         The file, replaced as a whole.
     """
@@ -299,7 +297,7 @@ def write_certificate(certificate: Certificate, path: str) -> str:
 
 
 def certificate_bytes(certificate: Certificate, folder: str) -> bytes:
-    """Return the file of a certificate that is to be in a folder."""
+    """Return the contents of a certificate's file in a folder."""
     return _written(certificate.moved_to(folder).as_data())
 
 
@@ -308,9 +306,9 @@ def _written(data: Mapping[str, Any]) -> bytes:
 
 
 def fingerprints_of(text: ControllerText) -> dict[str, str]:
-    """Return the SHA-256 of the file of a controller and of those that it uses, by name.
+    """Return the SHA-256 of a controller's file and of the files it uses, by name.
 
-    A controller that was not read from a file has none.
+    A controller in memory alone has none.
     """
     if not text.path:
         return {}
@@ -323,14 +321,14 @@ def fingerprints_of(text: ControllerText) -> dict[str, str]:
 
 
 def delays_by_name(plant: Plant) -> dict[str, float]:
-    """Return the dead times of actuators as a certificate has them."""
+    """Return the dead times of actuators by name, as in a certificate."""
     return {name: port.dead_time for name, port in plant.inputs.items() if port.dead_time}
 
 
 def new_certificate(
     problem: LoopProblem, claim: LoopClaim, regions: Sequence[RegionProof]
 ) -> Certificate:
-    """Return the certificate of a loop with some regions, without tubes yet."""
+    """Return a certificate of a loop with regions, without tubes yet."""
     text, label = problem.text, problem.site.interface.label
     return Certificate(
         claim, text.path, fingerprints_of(text), tuple(regions), (),
@@ -347,14 +345,14 @@ _RATIONAL = re.compile(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?")
 
 @dataclass(frozen=True)
 class Field:
-    """A value in a certificate's file, and its place there, as ``p[0][1]``."""
+    """A value in a certificate's file with its path there, such as ``p[0][1]``."""
 
     file: str
     place: str
     value: Any
 
     def refuse(self, what: str) -> NoReturn:
-        """Refuse the file, for what this field is or is not."""
+        """Refuse the file: this field is wrong."""
         where = f"'{self.place}' {what}" if self.place else f"it {what}"
         raise CertificateError(f"{self.file} is not a certificate: {where}")
 
@@ -366,7 +364,7 @@ class Field:
         return Field(self.file, place, value[name])
 
     def has(self, name: str) -> bool:
-        """Tell whether an object has a field."""
+        """Return whether an object has a field."""
         return name in self._of(dict, "an object")
 
     def __iter__(self) -> Iterator[Field]:
@@ -374,11 +372,11 @@ class Field:
             yield Field(self.file, f"{self.place}[{k}]", value)
 
     def items(self) -> list[tuple[str, Field]]:
-        """Return the fields of an object, with their names."""
+        """Return the fields of an object by name."""
         return [(name, self[name]) for name in self._of(dict, "an object")]
 
     def row(self, size: int) -> list[Field]:
-        """Return the entries of a list of a size."""
+        """Return the entries of a list of the given size."""
         if len(self._of(list, "a list")) != size:
             self.refuse(f"is not a list of {size}")
         return list(self)
@@ -395,7 +393,7 @@ class Field:
 
     @property
     def index(self) -> int:
-        """As a whole number from 0 on."""
+        """As a whole number, 0 or more."""
         if isinstance(self.value, bool) or not isinstance(self.value, int) or self.value < 0:
             self.refuse("is not a whole number")
         return self.value
@@ -429,7 +427,7 @@ class Field:
         return low.rational, high.rational
 
     def one_of(self, choices: Sequence[str]) -> str:
-        """Return a text that is one of some."""
+        """As one of several texts."""
         if self.value not in choices:
             self.refuse(f"is not {', '.join(choices[:-1])} or {choices[-1]}")
         return str(self.value)
@@ -453,7 +451,7 @@ def read_certificate(path: str) -> Certificate:
     OSError
         If it cannot be read.
     CertificateError
-        If it is not a certificate, or is damaged.
+        If it is damaged or not a certificate.
     """
     data = _unsealed(_fields(path))
     return Certificate(
@@ -477,7 +475,7 @@ def _fields(path: str) -> Field:
         value = json.loads(Path(path).read_text("utf-8"))
     except json.JSONDecodeError as error:
         Field(path, "", None).refuse(f"is not JSON at line {error.lineno}")
-    except (ValueError, RecursionError):  # not UTF-8, a number without end, nested without end
+    except (ValueError, RecursionError):  # not UTF-8, an endless number, endless nesting
         Field(path, "", None).refuse("is not JSON")
     return Field(path, "", value)
 
@@ -492,7 +490,7 @@ def _unsealed(whole: Field) -> Field:
     seal = data.pop("seal", None)
     try:
         is_whole = seal == _seal(data)
-    except (UnicodeEncodeError, RecursionError):  # half of a pair of UTF-16, nested without end
+    except (UnicodeEncodeError, RecursionError):  # a lone UTF-16 surrogate, endless nesting
         whole.refuse("is not JSON")
     if not is_whole:
         raise CertificateError(f"{whole.file} is damaged: its seal is not that of its contents")

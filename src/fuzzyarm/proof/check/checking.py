@@ -1,4 +1,4 @@
-"""A certificate checked, without a search: which files, loop and theorem, and what follows."""
+"""The check of a certificate, without a search: its files, loop, theorems and conclusion."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ if TYPE_CHECKING:
 PROVED, UNDECIDED = "proved", "undecided"
 
 MOST_CELLS = 1 << 26
-"""Cells into which the sides of all boxes of a map cut its window."""
+"""Most cells of a window cut at the sides of all boxes of its map."""
 
 MOST_EXACT_CELLS = 1 << 16
-"""As many are added up as rationals; of more a share is rounded down by floats."""
+"""Most cells that are added up as rationals; the share of more is rounded down by floats."""
 
 OF_REGIONS = (
     "V = z'Pz falls in each control period for all gains between the proved ones (Lyapunov,"
@@ -68,44 +68,44 @@ OF_MAPS = "each box leads into a region or into boxes before it (induction)"
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Checked(Shown):
-    """The proof of a certificate.
+    """The result of a check.
 
     Attributes
     ----------
     statement : str
-        The sentence that follows.
+        The sentence proved or refused.
     certificate : Certificate
-        Which.
+        The certificate.
     reason : str
-        Why it does not; empty where it does.
+        Why the proof fails; empty if it holds.
     files : dict of str to str
-        SHA-256 of the files that were read, by name.
+        SHA-256 of the files read, by name.
     loop : tuple of str
-        The loop that was derived, in words.
+        The derived loop, in words.
     theorems : tuple of str
         The regions, sectors and bounds used.
     region : dict of str to (float, float)
-        Where each state and each memory can be in the first region; empty where there is none.
+        Bounds of each state and memory in the first region; empty without one.
     start_region : dict of str to float
-        By state of the plant, how far from rest the loop may start along it alone.
+        Largest deviation at the start along each state of the plant alone.
     rest : dict of str to float
-        Where the loop rests.
+        The equilibrium.
     rests : dict of str to (float, float)
-        Between what, of states that rest elsewhere with other parameters.
+        Bounds of the equilibrium, for states whose rest depends on parameters.
     fall : float
-        By what share V falls in each period at least.
+        Least relative fall of V in each period.
     continuous : bool
-        Whether it is of the loop in continuous time only.
+        Whether only the loop in continuous time is proved.
     uncertain : tuple of str
         Unknown gains.
     boxes : int
-        How many boxes of starts were followed.
+        Number of boxes of starts followed.
     coverage : float
-        Of a map: which share of its window these are, rounded down.
+        Of a map: their share of the window, rounded down.
     seconds : float
-        How long it took.
+        Time taken.
     proof : CheckedProof or None
-        The loop and the regions of it; None where it is not proved.
+        The loop and its regions; None if nothing is proved.
     """
 
     statement: str
@@ -138,7 +138,7 @@ class Checked(Shown):
 
     @property
     def claim(self) -> LoopClaim:
-        """The claim, with the file of its plant as it is named from the working folder."""
+        """The claim, with the path of its plant relative to the working folder."""
         claim = self.certificate.claim
         return replace(claim, plant=self.certificate.place(claim.plant))
 
@@ -168,7 +168,7 @@ def region_lines(
     continuous: bool = False,
     arrival: bool = False,
 ) -> Iterator[str]:
-    """Yield the reach of a region, a line for each state, below what it is."""
+    """Yield a heading for a region and its reach, a line for each state."""
     if not arrival:
         how = "in continuous time" if continuous else "as sampled"
         yield f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
@@ -177,7 +177,7 @@ def region_lines(
         words = ""
         if alone is not None:
             words = f" (± {outward_text(alone, up=False, digits=4)} with the others at rest)"
-        if arrival:  # where all runs are from then on, not where they may start
+        if arrival:  # the region where all runs stay from then on, not that of starts
             ends = outward_text(low, up=False, digits=4), outward_text(high, up=True, digits=4)
             yield f"    {name} in {' .. '.join(ends)}{words}"
         else:
@@ -187,7 +187,7 @@ def region_lines(
 
 
 def _reach_words(low: float, high: float, rests: tuple[float, float] | None, digits: int) -> str:
-    """Say how far an ellipsoid reaches: around each rest, where that depends on parameters."""
+    """Return the reach of an ellipsoid in words, around each rest if parameters move it."""
     if rests is None:
         return f"in {inward_interval(low, high, digits)}"
     far = outward_text((high - low - (rests[1] - rests[0])) / 2, up=False, digits=digits)
@@ -216,34 +216,34 @@ def check_certificate(
     Parameters
     ----------
     certificate : Certificate or str
-        Or its file.
+        The certificate or its path.
     text : ControllerText, optional
-        The controller; by default its file is read. Names of files in a certificate count from
-        the folder of the certificate.
+        The controller; by default its file is read. Paths in a certificate are relative to its
+        folder.
     plant : Plant, optional
-        In place of the one that the claim names.
+        In place of the plant named in the claim.
     named : str, optional
-        A plant whose code may run, in place of a file that the claim names.
+        A plant whose code may run, in place of the file named in the claim.
     trust : bool, optional
-        Whether the plant of the claim may be code, which is run.
+        Whether code of the claim's plant may run.
     budget : float
-        Seconds after which it stays undecided.
+        Seconds until the verdict is undecided.
 
     Raises
     ------
     CertificateError
-        If it is not a certificate, or one of other files.
+        If it is not a certificate, or belongs to other files.
     PlantError
-        If its plant is code that may not run.
+        If the code of its plant may not run.
     """
     begun, stop = time.monotonic(), Stop(budget)
     if isinstance(certificate, str):
         certificate = read_certificate(certificate)
     text = _controller(certificate) if text is None else text
     _require_files(certificate, text)
-    # The plant is compared with that of its name, as it is from the working folder.
+    # The plant is compared with the one of its name, relative to the working folder.
     claim = replace(certificate.claim, plant=certificate.place(certificate.claim.plant))
-    if named is not None and not {named, claim.plant} & set(PLANTS):  # a file that is elsewhere
+    if named is not None and not {named, claim.plant} & set(PLANTS):  # a file in another folder
         claim = replace(claim, plant=named)
     plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
     plant = with_actuators(plant, {}, certificate.delays) if certificate.delays else plant
@@ -284,7 +284,7 @@ def check_of(request: ProveRequest, text: ControllerText | None) -> Checked:
 
 
 def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
-    """Return the claim of a certificate, with region and numbers, for the head of a program."""
+    """Return a certificate's claim, region and numbers, for the header of a program."""
     words = [checked.statement + ("" if checked.continuous else ", as sampled")]
     if checked.region and not (checked.claim.start or checked.certificate.tubes):
         reach = [
@@ -307,7 +307,7 @@ def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
 def demand_proved(
     problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces | None = None
 ) -> CheckedProof:
-    """Return the proof of a certificate's claim; LoopProofError where it is none."""
+    """Return the proof of a certificate's claim; LoopProofError if it fails."""
     return CheckedProof(problem, certificate, surfaces or RuleSurfaces())
 
 
@@ -355,7 +355,7 @@ class CheckedProof:
         )
 
     def _follow(self, havens: Sequence[Haven], tubes: Sequence[TubeProof]) -> None:
-        """Follow all boxes; a claim of starts needs all of them in the boxes."""
+        """Follow all boxes; a claim with starts needs all starts inside the boxes."""
         problem, claim = self.problem, self.claim
         follower = Follower(problem, havens, self.surfaces)
         for number, followed in enumerate(follow_tubes(follower, claim, tubes), 1):
@@ -371,7 +371,7 @@ class CheckedProof:
 def follow_tubes(
     follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]
 ) -> list[Followed]:
-    """Follow the boxes of tubes to where each arrives; LoopProofError where one does not."""
+    """Follow the boxes of tubes to their destinations; LoopProofError if one fails."""
     ways: dict[tuple[str, int], list[int]] = {}
     for number, tube in enumerate(tubes):
         kind, index = tube.into
@@ -379,7 +379,7 @@ def follow_tubes(
             raise LoopProofError(
                 f"box {number + 1}: it leads into boxes that are not known to arrive"
             )
-        # Those that lead into others may as well lead into a region: they are followed together.
+        # Boxes that lead into others may lead into a region instead: all are followed together.
         goal = ("regions", 0) if kind == "tubes" else (kind, index)
         if goal[0] == "regions" and goal[1] >= len(follower.havens):
             raise LoopProofError(f"box {number + 1}: there is no region {goal[1]}")
@@ -405,13 +405,13 @@ def follow_tubes(
 
 
 def _before(tube: TubeProof) -> int:
-    """Return into how many of the boxes before it a box may lead."""
+    """Return how many of the boxes before it a box may lead into."""
     kind, count = tube.into
     return count if kind == "tubes" else 0
 
 
 def _into_region(follower: Follower, claim: LoopClaim, index: int) -> Task:
-    """Return the task to lead into a region, so deep that the claim holds from then on."""
+    """Return the task of arrival in a region, deep enough for the claim to hold from then on."""
     haven = follower.havens[index]
 
     def holds_from(period: int, level: float) -> bool:
@@ -421,7 +421,7 @@ def _into_region(follower: Follower, claim: LoopClaim, index: int) -> Task:
 
 
 def ends_of_boxes(boxes: Sequence[Sequence[Pair]]) -> tuple[Any, Any]:
-    """Return the lower and the upper ends of boxes, as floats inside them."""
+    """Return the lower and upper ends of boxes, as floats rounded inward."""
     lows = [[float_above(exact(low)) for low, _ in box] for box in boxes]
     highs = [[float_below(exact(high)) for _, high in box] for box in boxes]
     return np.array(lows), np.array(highs)
@@ -452,13 +452,13 @@ def coverage_words(certificate: Certificate, proof: CheckedProof) -> str:
     )
     count = len(certificate.tubes)
     boxes = f"{count} box{'es' * (count != 1)}"
-    share = math.floor(coverage * 1000) / 10  # rounded down: 100 % is all of it
+    share = math.floor(coverage * 1000) / 10  # rounded down: 100 % means all of it
     begun = f", the other states at {others}," * bool(others)
     return f"from {share:g} % of {window} ({boxes}){begun} every run comes to rest"
 
 
 def _coverage(problem: LoopProblem, certificate: Certificate) -> Fraction:
-    """Return which share of its window the boxes of a map are, rounded down."""
+    """Return the share of the window covered by the boxes of a map, rounded down."""
     claim, window = certificate.claim, {name: (a, b) for name, a, b in certificate.window}
     if claim.start or claim.output or len(window) < len(certificate.window):
         raise LoopProofError("a map claims that a loop is stable, of one window")
@@ -481,7 +481,7 @@ def _coverage(problem: LoopProblem, certificate: Certificate) -> Fraction:
 
 
 def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) -> Fraction:
-    """Return which share of a window is in the union of boxes, rounded down: cells are counted."""
+    """Return the share of a window covered by the union of boxes, rounded down, cell by cell."""
     places, lengths = [], []
     for axis, (low, high) in enumerate(window.values()):
         first, last = Fraction(low), Fraction(high)
@@ -506,14 +506,14 @@ def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) 
 
 
 def _weighed(cells: Any, lengths: Sequence[Sequence[Any]]) -> Any:
-    """Return the sum of cells, each times its lengths."""
+    """Return the volume of the counted cells: their sum, weighted with lengths axis by axis."""
     for length in reversed(lengths):
         cells = cells @ np.array(length)
     return cells
 
 
 def _controller(certificate: Certificate) -> ControllerText:
-    """Return the controller of a certificate, by its name from the folder of the certificate."""
+    """Read the controller of a certificate, by its path from the certificate's folder."""
     path = certificate.place(certificate.controller)
     if not Path(path).is_file():
         raise CertificateError(
@@ -524,7 +524,7 @@ def _controller(certificate: Certificate) -> ControllerText:
 
 
 def _require_files(certificate: Certificate, text: ControllerText) -> None:
-    """Refuse a certificate of other files than those of a controller, or of more or fewer."""
+    """Refuse a certificate whose files are not exactly those of the controller."""
     now = fingerprints_of(text)
     if set(now) != set(certificate.fingerprints):
         expected_name = Path(certificate.controller).name
@@ -537,7 +537,7 @@ def _require_files(certificate: Certificate, text: ControllerText) -> None:
 
 
 def _require_loop(certificate: Certificate, text: ControllerText, plant: Plant) -> None:
-    """Refuse a certificate of another controller or plant than those at hand."""
+    """Refuse a certificate of another controller or plant."""
     named = {"controller": Path(certificate.controller).name, "plant": certificate.claim.plant}
     for part, digest in loop_digests(text, plant).items():
         if certificate.digests.get(part) != digest:

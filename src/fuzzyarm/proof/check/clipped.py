@@ -1,4 +1,4 @@
-"""Terms made of straight lines; sets that are clipped at a height: area and moment of both."""
+"""Piecewise linear terms, and sets clipped at a height: area and moment."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ Segment = tuple[fmpq, fmpq, fmpq, fmpq]
 
 
 class UndecidedError(Exception):
-    """A difference of two heights that has both signs at the corners of a simplex."""
+    """A difference of two heights has both signs at the corners of a simplex."""
 
     def __init__(self, gap: Vector) -> None:
         self.gap = gap
 
 
 def corners_of(shape: Shape, of: str) -> Corners:
-    """Return the corners of a shape; LoopProofError where it is not made of straight pieces."""
+    """Return the corners of a shape; LoopProofError if it is not piecewise linear."""
     if shape.kind == "formula" or not SHAPES[shape.kind].straight:
         raise LoopProofError(f"{of} is not made of straight pieces: a {shape.kind}")
     return tuple((exact(x), exact(y)) for x, y in polyline(shape))
 
 
 def height_beside(corners: Corners, x: fmpq, *, right: bool) -> fmpq:
-    """Return the height of a line next to a point, on its right or its left side."""
+    """Return the one-sided limit of a line's height at a point."""
     after = sum(a <= x if right else a < x for a, _ in corners)
     if after in (0, len(corners)):
         return corners[0][1] if not after else corners[-1][1]
@@ -44,12 +44,12 @@ def height_beside(corners: Corners, x: fmpq, *, right: bool) -> fmpq:
 
 
 def height_at(corners: Corners, x: fmpq) -> fmpq:
-    """Return the height at a point, the greatest on a vertical edge."""
+    """Return the height at a point; on a vertical edge the greatest."""
     return max((y for a, y in corners if a == x), default=height_beside(corners, x, right=True))
 
 
 class ClippedSet:
-    """Area and moment of a set of straight lines, clipped at a height, as polynomials of it."""
+    """Area and moment of a piecewise linear set clipped at a height, as polynomials of it."""
 
     def __init__(self, segments: Sequence[Segment]) -> None:
         self.segments = segments
@@ -59,7 +59,7 @@ class ClippedSet:
 
     @lru_cache(maxsize=256)  # noqa: B019
     def polynomials(self, layer: int) -> tuple[Vector, Vector]:
-        """Return coefficients of powers of the height, which lies above the level of a number."""
+        """Return coefficients of powers of the height, in the layer above a level."""
         level = self.levels[layer]
         area, moment = [ZERO] * 3, [ZERO] * 4
         for x0, y0, x1, y1 in self.segments:
@@ -84,7 +84,7 @@ class ClippedSet:
         return tuple(area), tuple(moment)
 
     def layer_of(self, height: Vector) -> int:
-        """Return the number of the layer in which a height is; undecided if in several."""
+        """Return the layer of a height; UndecidedError if it is in several."""
         low, high = min(height), max(height)
         for number, level in enumerate(self.levels):
             if low < level < high:
@@ -95,7 +95,7 @@ class ClippedSet:
 
 
 def lower_of(first: ClippedSet, second: ClippedSet) -> ClippedSet:
-    """Return the lower of two sets."""
+    """Return the pointwise minimum of two sets."""
     segments = []
     for (a0, p0, a1, p1), (b0, q0, b1, q1) in every(first.segments, second.segments):
         low, high = max(a0, b0), min(a1, b1)

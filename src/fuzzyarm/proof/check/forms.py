@@ -1,16 +1,16 @@
-"""Zonotopes, many at once: a centre, weights of symbols that are anywhere in -1 .. 1, and a rest.
+"""Zonotopes, many at once: a centre, weights of symbols anywhere in -1 .. 1, and a remainder.
 
-What is linear keeps its symbols, so that sets turn and shrink with the motion. What is not adds a
-symbol of its own for how far it may be from a line: a product, a function (mean value theorem), a
-corner (the chord), a rule base (:mod:`.bands`).
+Linear operations keep the symbols, so that sets turn and shrink with the motion. Others add a
+new symbol for the distance from a line: a product, a function (mean value theorem), a corner (the
+chord), a rule base (:mod:`.bands`).
 
 Floats: a sum of n products is off by at most n 2⁻⁵³ times the sum of their magnitudes (N. J.
-Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.1), which goes into the rest;
-what is computed of rests themselves is enlarged.
+Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.1), which goes into the
+remainder; sums of remainders are enlarged.
 
-What becomes of a set does not depend on the sets beside it, to the last bit: decisions are arrays,
-sums over symbols run in their order, and symbols that a set does not have are zeros. So a
-certificate holds in whichever groups its boxes are followed again.
+The result for a set does not depend on the sets beside it, to the last bit: decisions are arrays,
+sums over symbols run in their order, and a symbol that a set lacks is zero. So a certificate holds
+whatever the groups in which its boxes are followed.
 """
 
 from __future__ import annotations
@@ -35,39 +35,39 @@ from fuzzyarm.table import LookupTable
 Flags = NDArray[np.bool_]
 
 ENLARGED = 1.0 + 2.0**-40
-"""By which sums of magnitudes are enlarged: 4,000 roundings, where nothing cancels."""
+"""Enlargement of sums of magnitudes: 4,000 roundings, without cancellation."""
 
 ROUNDING = 2.0**-52
-"""Twice the largest relative error of a rounding."""
+"""Twice the unit roundoff: the largest relative error of a rounding, doubled."""
 
 TINY = 1e-300
-"""More than what a thousand results below the smallest normal float are off."""
+"""More than the error of a thousand subnormal results."""
 
 
 def _total(rows: Vector) -> Vector:
-    """Return the sum of rows, one after the other: zeros between them change nothing."""
+    """Return the sum of rows in order: zeros between them change nothing."""
     if not len(rows):
         return np.zeros(rows.shape[1:])
     return np.asarray(np.add.accumulate(rows, axis=0)[-1])
 
 
 class Truth(NamedTuple):
-    """A condition that is not the same of all sets: where it holds, and where it does not."""
+    """A condition by set: certainly true, certainly false."""
 
     yes: Flags
     no: Flags
 
     def both(self, other: Truth | bool) -> Truth:
-        """Return whether two conditions hold."""
+        """Return the conjunction of two conditions."""
         yes, no = (other.yes, other.no) if isinstance(other, Truth) else (other, not other)
         return Truth(self.yes & yes, self.no | no)
 
     def negated(self) -> Truth:
-        """Return the contrary."""
+        """Return the negation."""
         return Truth(self.no, self.yes)
 
     def chosen(self, numbers: FormNumbers, a: Form, b: Form) -> Form:
-        """Return a where it holds and b where it does not; where that is open, all between them."""
+        """Return a where it holds, b where it fails, and a hull of both where it is open."""
         apart = combined((a, 0.5), (b, -0.5)).size
         hull = combined((a, 0.5), (b, 0.5), (numbers.at(0.0, apart), 1.0))
         hull = numbers.kept(hull, ~(self.yes | self.no))
@@ -76,16 +76,16 @@ class Truth(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """Values that are affine in symbols, one for each set."""
+    """Affine forms over shared symbols, one for each set."""
 
     centre: Vector  # c; shape (sets,)
-    weights: Vector  # of as many symbols as it is over; shape (symbols, sets)
-    rest: Vector  # of what nothing more is known, not negative; shape (sets,)
+    weights: Vector  # of its symbols; shape (symbols, sets)
+    rest: Vector  # remainder: radius of a further interval, not negative; shape (sets,)
     ends: tuple[float, float] = (-math.inf, math.inf)  # bounds set by a limit
 
     @cached_property
     def reach(self) -> Vector:
-        """How far values may be from the centre, rounded up."""
+        """The largest distance from the centre, rounded up."""
         return np.asarray((_total(np.abs(self.weights)) + self.rest) * ENLARGED)
 
     @cached_property
@@ -95,7 +95,7 @@ class Form:
 
     @cached_property
     def span(self) -> Spans:
-        """Where values are."""
+        """The intervals of the values."""
         centre, far = self.centre, self.reach
         low, high = np.nextafter(centre - far, -np.inf), np.nextafter(centre + far, np.inf)
         return Spans(np.where(far == 0.0, centre, low), np.where(far == 0.0, centre, high))
@@ -106,11 +106,11 @@ class Form:
         return bool(self.rest.any() or self.weights.any())
 
     def of(self, which: Any) -> Form:
-        """Return those of some sets."""
+        """Return the forms of selected sets."""
         return Form(self.centre[which], self.weights[:, which], self.rest[which], self.ends)
 
     def over(self, symbols: int) -> Vector:
-        """Return the weights of so many symbols."""
+        """Return the weights of the first `symbols` symbols, padded with zeros."""
         if len(self.weights) == symbols:
             return self.weights
         weights = np.zeros((symbols, self.weights.shape[1]))
@@ -128,7 +128,7 @@ def combined(*terms: tuple[Form, Any]) -> Form:
             rest = rest + off * form.size
         else:
             near = np.asarray(factor, float)
-        if not np.any(near) and np.isfinite(form.size).all():  # a value that is unknown stays so
+        if not np.any(near) and np.isfinite(form.size).all():  # an unknown value stays unknown
             continue
         far = np.abs(near)
         centre = centre + form.centre * near
@@ -136,11 +136,11 @@ def combined(*terms: tuple[Form, Any]) -> Form:
         rest = rest + form.rest * far
         size = size + form.size * far
     shape = np.broadcast_shapes(*(form.centre.shape for form, _ in terms))
-    # Each product and each sum is rounded: two for each term, over the sum of magnitudes.
+    # One product and one sum are rounded for each term: two errors, over the sum of magnitudes.
     rest = (rest + (2 * len(terms)) * ROUNDING * size + np.where(size > 0.0, TINY, 0.0)) * ENLARGED
     form, factor = terms[0]
     if len(terms) == 1 and not isinstance(factor, Spans):
-        rest = np.where(np.abs(near) == 1.0, form.rest, rest)  # a sign rounds nothing
+        rest = np.where(np.abs(near) == 1.0, form.rest, rest)  # a change of sign rounds nothing
     return Form(
         np.broadcast_to(centre, shape), np.broadcast_to(weights, (count, *shape)),
         np.broadcast_to(rest, shape),
@@ -148,7 +148,7 @@ def combined(*terms: tuple[Form, Any]) -> Form:
 
 
 def _selected(which: Flags, a: Form, b: Form) -> Form:
-    """Return a form of some sets, and another one of the others."""
+    """Return `a` for some sets and `b` for the others."""
     if which.all() or not which.any():
         found = a if which.all() else b
         return Form(found.centre, found.weights, found.rest)
@@ -166,13 +166,13 @@ class FormNumbers:
     Attributes
     ----------
     sets : int
-        How many there are at once.
+        Number of sets.
     symbols : int
-        How many are in use.
+        Number of symbols in use.
     lost : ndarray of bool, shape (sets,)
-        Which sets a rule base may have no value for, since that was last set to none.
+        Sets for which a rule base may have had no value, since the last reset.
     why : str
-        And why, of those that were lost last.
+        Why, for those lost last.
     """
 
     def __init__(self, surfaces: RuleSurfaces) -> None:
@@ -182,7 +182,7 @@ class FormNumbers:
         self._bands: dict[tuple[int, str], RuleBands] = {}
 
     def at(self, centre: Any, far: Any = 0.0) -> Form:
-        """Return the boxes of these radii around centres."""
+        """Return boxes with the given radii around centres."""
         shape = (self.sets,)
         return Form(
             np.broadcast_to(np.asarray(centre, float), shape), np.zeros((0, *shape)),
@@ -199,7 +199,7 @@ class FormNumbers:
         return self.at(value)
 
     def kept(self, form: Form, which: Any = True) -> Form:
-        """Return a form whose rest is a symbol: what it does to several values stays together."""
+        """Return a form with its remainder as a symbol, shared by all values computed from it."""
         rest = np.where(which, form.rest, 0.0)
         if not rest.any():
             return form
@@ -209,7 +209,7 @@ class FormNumbers:
         return Form(form.centre, weights, np.where(which, 0.0, form.rest), form.ends)
 
     def apply(self, operation: str, arguments: list[Form]) -> Any:
-        """Return an operation; of a condition a bool where it is the same of all sets."""
+        """Apply an operation; a condition is a bool if it is the same for all sets."""
         if operation in ("add", "subtract"):
             a, b = arguments
             return combined((a, 1.0), (b, 1.0 if operation == "add" else -1.0))
@@ -240,7 +240,7 @@ class FormNumbers:
         return self.kept(product, ~(still[0] | still[1]))
 
     def _extreme(self, a: Form, b: Form, sign: float) -> Form:
-        """Return max(a, b), or the smaller one: one of both where that is known of a set."""
+        """Return max(a, b) or min(a, b): the operand itself where a set decides which."""
         gap = combined((a, sign), (b, -sign))
         above = gap.span.low >= 0.0
         below = (gap.span.high <= 0.0) & ~above
@@ -256,13 +256,13 @@ class FormNumbers:
         open_ = known & (low < 0.0) & (high > 0.0)
         share = np.where(open_, high / np.where(open_, high - low, 1.0), low >= 0.0)
         share = np.clip(share, 0.0, 1.0)
-        # Whatever the share: max(x, 0) − λ x is from 0 to the larger of −λ low and (1 − λ) high.
+        # For any λ: max(x, 0) − λ x is from 0 to the larger of −λ low and (1 − λ) high.
         most = np.maximum(-share * low, (1.0 - share) * high)
         half = np.where(open_, 0.5 * most * ENLARGED, np.where(known, 0.0, np.inf))
         return self.kept(combined((x, share), (self.at(half, half), 1.0)))
 
     def _compared(self, operation: str, a: Form, b: Form) -> Truth | bool:
-        """Return whether a < b, a ≤ b or a = b, for each set."""
+        """Return a < b, a ≤ b or a = b, for each set."""
         first, second, gap = a.span, b.span, combined((b, 1.0), (a, -1.0)).span
         above = (gap.low > 0.0) | (first.high < second.low)
         below = (gap.high < 0.0) | (second.high < first.low)
@@ -278,7 +278,7 @@ class FormNumbers:
         return truth
 
     def _by_slopes(self, operation: str, arguments: list[Form]) -> Form:
-        """Return a function by the mean value theorem; of points its values."""
+        """Return a function by the mean value theorem; at points its values."""
         points = [Slope(Spans(x.centre, x.centre), {}) for x in arguments]
         at = applied(operation, points).value
         still = np.all([x.reach == 0.0 for x in arguments], axis=0)
@@ -302,7 +302,7 @@ class FormNumbers:
         return Form(x.centre, x.weights, x.rest, ends)
 
     def excess(self, value: Form, x: Form, low: float, high: float) -> Form:
-        """Return how far a limit has moved x: exactly 0 where it is within."""
+        """Return the change of x by a limit: exactly 0 inside the limits."""
         nothing = total = self.number(0.0)
         for end, sign in ((low, 1.0), (high, -1.0)):  # max(low − x, 0) − max(x − high, 0)
             if math.isfinite(end):
@@ -326,7 +326,7 @@ class FormNumbers:
         return self.kept(combined(*zip(brought, slopes, strict=True), (base, 1.0)))
 
     def _brought(self, x: Form, variable: Variable) -> Form:
-        """Return an input as a rule base takes it."""
+        """Return an input brought into its universe."""
         if variable.outside == "clamp":
             return self.limit(x, variable.low, variable.high)
         return x
@@ -336,7 +336,7 @@ class FormNumbers:
         raise SpanError("a table is not followed")
 
     def fewer(self, forms: Sequence[Form], most: int) -> list[Form]:
-        """Return sets of fewer symbols: those that count least become a box."""
+        """Return sets with fewer symbols: the smallest become a box (order reduction of Girard)."""
         forms = [self.kept(form) for form in forms]
         weights = np.stack([form.over(self.symbols) for form in forms])  # (values, symbols, sets)
         if not self.symbols:
@@ -347,7 +347,7 @@ class FormNumbers:
         many = count > most * size
         stay = (most // 2) * size
         rows = max(int(count[~many].max(initial=0)), (stay + size) * bool(many.any()))
-        # Of each set its own: in their order, but with many those first that matter to most values.
+        # Each set has its own choice: symbols in their order, those of most values first if many.
         sizes = np.abs(weights)
         all_of_them = np.stack(list(map(_total, sizes)))[:, None]
         share = np.nan_to_num(sizes / np.maximum(all_of_them, TINY))

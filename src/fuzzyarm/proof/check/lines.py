@@ -1,7 +1,7 @@
-"""Signals of a loop around its rest, as the checker reads them off the program.
+"""Signals of a loop around its rest, derived by the checker from the program.
 
-A signal is its value at rest, mostly exact, and weights of states z and answers w. What it takes to
-be so is noted as a row that has to stay below a limit.
+A signal is its value at rest, mostly exact, plus weights of states z and answers w. A condition of
+its validity is noted as a row whose magnitude must stay below a limit.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from fuzzyarm.table import LookupTable
 Parts = Mapping[str, Number]
 
 Row = tuple[Parts, Number, str]
-"""Weights, the limit of their sum's magnitude, and what it is."""
+"""Weights of a row, the limit of its magnitude, and its name in words."""
 
 LINEAR = ("add", "subtract", "negative", "multiply", "divide")
-"""Operations of signals that move."""
+"""Operations on moving signals."""
 
 
 class LinearSignal(NamedTuple):
     """A signal around rest: its value there, and weights of states and answers (``w0``, ``w1`` …).
 
-    `low` and `high` are what it cannot leave, whatever they are, where that is known.
+    `low` and `high` bound it for all states and answers, if known.
     """
 
     rest: Number
@@ -53,7 +53,7 @@ class LinearSignal(NamedTuple):
 
 
 def number_line(rest: Number) -> LinearSignal:
-    """Return a signal that does not move."""
+    """Return a constant signal."""
     return LinearSignal(rest, {}, least(rest), greatest(rest))
 
 
@@ -71,7 +71,7 @@ def _times(x: Number | None, factor: Number) -> Number | None:
 
 
 class LinearSignals:
-    """Signals around rest, for a walk over the program; what is taken for granted is noted."""
+    """Signals around rest, for a walk over the program; assumptions are noted."""
 
     def __init__(
         self, evidence: Evidence, surfaces: RuleSurfaces, *, in_cone: bool = False
@@ -92,14 +92,14 @@ class LinearSignals:
     # --- arithmetic ---
 
     def apply(self, operation: str, arguments: list[LinearSignal]) -> Any:
-        """Return an operation, linear in the deviations; a comparison gives a bool."""
+        """Apply an operation, linear in the deviations; a comparison gives a bool."""
         if not any(x.parts for x in arguments) and operation not in LINEAR:
             line = applied(operation, [Slope(x.rest, {}) for x in arguments])
             return line if isinstance(line, bool) else number_line(line.value)
         if operation in ("less", "less_equal"):
             return self._is_less(*arguments, or_equal=operation == "less_equal")
         if operation in ("minimum", "maximum"):
-            # The one that counts at rest, as long as a row keeps the two in this order.
+            # The operand that wins at rest, while a row keeps the two in this order.
             a, b = arguments
             return a if self._is_less(a, b, or_equal=True) == (operation == "minimum") else b
         if operation not in LINEAR:
@@ -111,7 +111,7 @@ class LinearSignals:
             return self._scaled(arguments[0], -ONE)
         a, b = arguments
         if operation in ("add", "subtract"):
-            if a is b and operation == "subtract":  # exactly, where it is known by an interval
+            if a is b and operation == "subtract":  # exactly 0, even if its rest is an interval
                 return number_line(ZERO)
             return self._sum(a, b, ONE if operation == "add" else -ONE)
         if operation == "multiply":
@@ -144,7 +144,7 @@ class LinearSignals:
         return number_line(a.rest * factor.rest)
 
     def _is_less(self, a: LinearSignal, b: LinearSignal, *, or_equal: bool) -> bool:
-        """Tell whether a is below b at rest; it has to stay so."""
+        """Return whether a is below b at rest, and note that it has to stay so."""
         way = self._sum(b, a, -ONE)
         if not way.parts:
             if way.rest > 0 or (or_equal and way.rest >= 0):
@@ -163,7 +163,7 @@ class LinearSignals:
     # --- limits ---
 
     def limit(self, x: LinearSignal, low: float, high: float) -> LinearSignal:
-        """Return ``min(max(x, low), high)``, or a lower bound of its share."""
+        """Return ``min(max(x, low), high)``, exactly or by its least share."""
         lowest = None if math.isinf(low) else exact(low)
         highest = None if math.isinf(high) else exact(high)
         above = lowest is None or (x.low is not None and lowest <= x.low)
@@ -179,20 +179,20 @@ class LinearSignals:
         share = self._share(x, lowest, highest, words)
         if share == 1:
             return x
-        # The limit turns a deviation v into something between share · v and v: the middle, and an
-        # answer for half the width.
+        # The limit maps a deviation v into the interval from share · v to v: its middle, and an
+        # answer for half of its width.
         middle = {name: weight * (share + 1) / 2 for name, weight in x.parts.items()}
         half = {name: weight * (ONE - share) / 2 for name, weight in x.parts.items()}
         return LinearSignal(x.rest, {**middle, self.block(half, words): ONE}, lowest, highest)
 
     def excess(self, value: LinearSignal, x: LinearSignal, low: float, high: float) -> LinearSignal:
-        """Return how far a limit has moved x."""
+        """Return the change of x by a limit."""
         return self._linear("subtract", [value, x])
 
     def _share(
         self, x: LinearSignal, lowest: fmpq | None, highest: fmpq | None, words: str
     ) -> Number:
-        """Return the least share of a deviation from rest that a limit passes."""
+        """Return the least share of a deviation from rest that passes a limit."""
         rooms, share = [], arb(1)
         for end, most, at, sign in (
             (lowest, x.low, least(x.rest), -1), (highest, x.high, greatest(x.rest), 1),
@@ -203,13 +203,13 @@ class LinearSignals:
             if not room > 0:
                 raise LoopProofError(f"at rest a signal is at {words}")
             rooms.append(room)
-            # What is cut off is still this share of the deviation, wherever the signal can go.
+            # At least this share of the deviation passes, wherever the signal can be.
             if most is None:
                 share = arb(0)
             elif not (most - at) * sign <= room:
                 share = share.min(room / ((most - at) * sign)).lower()
-        # Where the limit may pass too small a share, the signal has to stay so close to rest that
-        # `grip` of it passes, with a row for that.
+        # If that share is too small, a row keeps the signal so close to rest that the share `grip`
+        # of it passes.
         if not share >= self.grip:
             share = least(arb(self.grip))
             if not share > 0:
@@ -218,7 +218,7 @@ class LinearSignals:
         return share
 
     def block(self, v: Parts, words: str) -> str:
-        """Add an unknown gain; return the name of its answer."""
+        """Add an uncertain gain; return the name of its answer."""
         self.blocks.append((v, words))
         return f"w{len(self.blocks) - 1}"
 
@@ -227,7 +227,7 @@ class LinearSignals:
     def rules(
         self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
     ) -> LinearSignal:
-        """Return the conclusion of a rule base, from the claimed bounds."""
+        """Return a conclusion of a rule base, from the claimed bounds."""
         surface = self.surfaces(sheet, output)
         rest = {name: (_exactly(least(x.rest)), _exactly(greatest(x.rest)))
                 for name, x in inputs.items()}  # fmt: skip
@@ -241,7 +241,7 @@ class LinearSignals:
         if claim.weights:
             if not all(inputs[name].rest == 0 for name in claim.weights):
                 raise LoopProofError("a sector is of inputs that rest at 0")
-            # The gain along the weighted sum has the empty name.
+            # The gain along the weighted sum σ has the empty name.
             low, high = map(exact, claim.gains[""])
             weights = {name: exact(weight) for name, weight in claim.weights.items()}
             if not surface.has_sector(region, weights, low, high):
@@ -274,7 +274,7 @@ class LinearSignals:
             if not x.parts:
                 continue
             assert claim is not None
-            # Beyond its outer levels a table is constant, whatever its steps.
+            # Beyond its outer levels a table is constant.
             low, high = map(exact, claim.region[name])
             rooms = (levels[-1] - x.rest, x.rest - levels[0], high - x.rest, x.rest - low)
             half = min(least(arb(room)) for room in rooms)
@@ -308,7 +308,7 @@ class LinearSignals:
             low, high = map(exact, claim.region[name])
             above, below = high - rest[name][1], rest[name][0] - low
             half = min(above, below)
-            if self.in_cone and half == 0:  # the claim is about one side of the rest
+            if self.in_cone and half == 0:  # the claim is about one side of the rest only
                 half = max(above, below)
                 sign = ONE if below == 0 else -ONE
                 self.sides.append({key: weight * sign for key, weight in x.parts.items()})
@@ -331,12 +331,12 @@ class LinearSignals:
 
 
 def _exactly(end: Number) -> fmpq:
-    """Return an exact end of a ball as a rational."""
+    """Return the exact end of a ball as a rational."""
     return end if isinstance(end, fmpq) else end.fmpq()
 
 
 def _has_slopes(values: Any, axis: int, levels: Any, least_slope: fmpq, most: fmpq) -> bool:
-    """Tell whether all steps of a table along an axis are between two slopes."""
+    """Return whether all slopes of a table along an axis lie between two numbers."""
     lines = np.moveaxis(values, axis, -1).reshape(-1, len(levels))
     return all(
         least_slope * (levels[k + 1] - levels[k]) <= step <= most * (levels[k + 1] - levels[k])
@@ -346,9 +346,9 @@ def _has_slopes(values: Any, axis: int, levels: Any, least_slope: fmpq, most: fm
 
 
 class Unchecked(LinearSignals):
-    """Lines that lead to the memory: arguments of rule bases and limits are recorded.
+    """Signals for the memory alone: arguments of rule bases and limits are recorded, not checked.
 
-    Where both of two walks ask the same, they are answered the same: any answer will do.
+    Two walks with equal questions get equal answers; any answer will do.
     """
 
     def __init__(self, evidence: Evidence, surfaces: RuleSurfaces) -> None:
@@ -358,7 +358,7 @@ class Unchecked(LinearSignals):
     def rules(
         self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
     ) -> LinearSignal:
-        """Note the inputs of a rule base; answer with a sum of them."""
+        """Record the inputs of a rule base; answer with a sum of them."""
         self.record.append(dict(inputs))
         weighed = [(x, fmpq(1 + k)) for k, x in enumerate(inputs.values())]
         total = sum((x.rest * k for x, k in weighed), ZERO)
@@ -370,5 +370,5 @@ class Unchecked(LinearSignals):
         return x
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
-        """Note the inputs of a table."""
+        """Record the inputs of a table."""
         return self.rules(sheet, "", inputs)  # type: ignore[arg-type]

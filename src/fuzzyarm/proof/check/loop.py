@@ -1,14 +1,14 @@
-"""A loop around its rest as the checker derives it: its own route from the files to matrices.
+"""The linear loop around its rest, derived by the checker: its own route from files to matrices.
 
     z' = A z + B w (each period, or as a rate),   |wₖ| ≤ |Cₖ z + Dₖ w|,   |g z + h w| ≤ limit
 
-The controller is walked as the program that runs (:mod:`.walk`), the plant's equations are
+The walk goes over the compiled program of the controller (:mod:`.walk`), the plant's equations are
 differentiated in balls (:mod:`.slopes`), its motion over a period is a series with a bounded tail,
-and what is said of rule bases is checked on their pieces (:mod:`.rules`). A certificate says which
+and claims about rule bases are checked on their pieces (:mod:`.rules`). A certificate names the
 gains to check; nothing in it is trusted, and no code of the search is used.
 
-A loop may rest where numbers are not rational. Then z is how far it is from a true rest of which
-only a ball is known: that there is one in it, and no other, is proved by Krawczyk's operator
+An equilibrium may be irrational. Then z is the deviation from a true rest known by a ball only:
+that the ball contains exactly one is proved by Krawczyk's operator
 K = m − Y F(m) + (1 − Y F'(R)) (R − m), which has to lie within R.
 
 Sources: R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken",
@@ -74,23 +74,23 @@ JUMPS = (
     "floor", "ceil", "round", "truncate", "remainder", "sign", "where",
     "less", "less_equal", "equal", "both", "either", "negation",
 )  # fmt: skip
-"""Operations that may jump, which the equations of a plant must not have."""
+"""Operations that may jump, not allowed in the equations of a plant."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class System:
-    """Matrices of a loop; numbers are balls where they are not exact."""
+    """Matrices of a loop; inexact numbers are balls."""
 
-    size: int  # how many z there are
+    size: int  # number of z
     move: Matrix  # ``[A B]``
     blocks: Matrix  # ``[Cₖ Dₖ]``
-    rows: tuple[tuple[Sequence[Number], Number, str], ...]  # ``[g h]``, limit, and what it is
+    rows: tuple[tuple[Sequence[Number], Number, str], ...]  # ``[g h]``, limit, name in words
     period: float  # s; 0 for a loop in continuous time
-    # ``[g h]`` of signals that are not negative: of a cone
+    # ``[g h]`` of the signals that are not negative in a cone
     sides: tuple[Sequence[Number], ...] = ()
 
     def rows_within(self) -> list[tuple[list[Number], Number, str]]:
-        """Return rows g over z alone, such that |g z| ≤ limit means that all bounds hold."""
+        """Return rows g over z alone: |g z| ≤ limit keeps all bounds."""
         return [
             (row, limit, words)
             for whole, limit, words in self.rows
@@ -98,9 +98,10 @@ class System:
         ]
 
     def without_answers(self, whole: Sequence[Number]) -> list[list[Number]]:
-        """Return rows over z alone, the extremes of one over z and the answers.
+        """Return rows over z alone: the extremes of a row over z and the answers.
 
-        An answer w is its v times some δ in [-1, 1]: a linear function is largest at an end.
+        An answer w is its v times some δ in [-1, 1], and a linear function is extreme at an end.
+
         """
         rows = [list(whole)]
         # The last answer first: the v of each has only answers before it, so one pass removes all.
@@ -116,22 +117,22 @@ class System:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedLoop(System):
-    """A loop as matrices; see the head of this module."""
+    """A derived loop; see the head of this module."""
 
     names: tuple[str, ...]  # of z
-    rest: Mapping[str, Number]  # a ball that holds it
-    words: tuple[str, ...]  # what each block is
-    # What memory that begins as what it first sees is: a number and weights of how far states of
-    # the plant are from rest
+    rest: Mapping[str, Number]  # a ball that contains it
+    words: tuple[str, ...]  # each block in words
+    # Memory that begins as its first input: a number, and weights of the deviations of the
+    # plant's states
     seeds: Mapping[str, tuple[Number, Parts]]
     begin: Mapping[str, Number]  # other memory before the first period
-    # Inputs of the plant within its limits, by axis and port: held from one sample to the next
+    # Inputs of the plant, limited, by axis and port: held between samples
     drives: Mapping[Address, LinearSignal]
     outputs: Mapping[Address, LinearSignal]  # outputs of the plant, by axis and port
-    still: Set[str]  # memory and inputs of the program beside z: they keep their start
+    still: Set[str]  # memory and inputs of the program outside z: constant
 
     def rows_of_drive(self, address: Address) -> list[list[Number]]:
-        """Return rows g over z alone: a drive is as far from its rest as the largest |g z|."""
+        """Return rows g over z alone: the largest |g z| is the largest deviation of a drive."""
         parts = self.drives[address].parts
         width = [*self.names, *(f"w{k}" for k in range(len(self.blocks)))]
         return self.without_answers([parts.get(name, ZERO) for name in width])
@@ -147,10 +148,10 @@ def checked_loop(
     surfaces: RuleSurfaces | None = None,
     in_cone: bool = False,
 ) -> CheckedLoop:
-    """Derive a loop from its files, and check the statements of a certificate on the way.
+    """Derive a loop from its files and check the statements of a certificate on the way.
 
-    `names` are those of z, states of the plant first, then memory. `in_cone`: what is said of rule
-    bases may be of one side of their rest. LoopProofError with what is wrong, or not read.
+    `names` are those of z, states of the plant first, then memory. `in_cone`: claims about rule
+    bases may cover one side of their rest only. LoopProofError names the failed statement.
     """
     of_rules = surfaces or RuleSurfaces()
     derivation = _Derivation(problem, tuple(names), evidence, of_rules, continuous=continuous)
@@ -161,7 +162,7 @@ def checked_loop(
 def rest_within(
     problem: LoopProblem, evidence: Evidence, surfaces: RuleSurfaces
 ) -> dict[str, Fraction]:
-    """Return how far Krawczyk's operator reaches from the middle of the interval of a rest."""
+    """Return the radius of Krawczyk's operator around the midpoint of a rest, by row."""
     names = tuple(evidence.rest)
     derivation = _Derivation(problem, names, evidence, surfaces, continuous=False)
     return {name: ends(far)[1] for name, far in derivation.krawczyk().items()}
@@ -191,7 +192,7 @@ class _Derivation:
 
     @cached_property
     def rest(self) -> dict[str, Number]:
-        """A ball for each of z that holds a rest of the loop, which is proved."""
+        """A ball for each of z with a rest of the loop in it, proved."""
         if set(self.evidence.rest) != set(self.names):
             raise LoopProofError("its rest is of other states")
         centre = {name: exact(self.evidence.rest[name][0]) for name in self.names}
@@ -208,7 +209,7 @@ class _Derivation:
         return {name: around(centre[name], doubt[name]) for name in self.names}
 
     def _steered(self, at: Mapping[str, Number], variables: Sequence[str]) -> list[Slope]:
-        """Return the rates of the plant and the steps of the memory, which are 0 at rest."""
+        """Return the rates of the plant and the increments of the memory: 0 at rest."""
         values = {n: Slope(x, {n: ONE} if n in variables else {}) for n, x in at.items()}
         plant = self._plant_values(values)
         problem, interface = self.problem, self.problem.site.interface
@@ -233,9 +234,10 @@ class _Derivation:
         return {**fixed, **{key: values[name] for key, name in pairs}}
 
     def krawczyk(self) -> dict[str, Number]:
-        """Return how far K reaches from m: if less than R, one rest is in R, and no other.
+        """Return the radius of K around m: below that of R, exactly one rest lies in R.
 
-        Whatever the parameters are: for each choice of them there is one.
+        For each choice of the parameters there is one.
+
         """
         names, rest = self.names, self.evidence.rest
         centre = {name: exact(rest[name][0]) for name in names}
@@ -247,7 +249,7 @@ class _Derivation:
             near = np.linalg.inv([[float(middle(x)) for x in row] for row in jacobian])
         except np.linalg.LinAlgError:
             raise LoopProofError("where it rests is not one point") from None
-        # Any matrix will do, as long as the conclusions are rigorous.
+        # Any matrix Y is sound; this one is close to the inverse.
         y = [[exact(float(x)) for x in row] for row in near]
         shift, turned = product(y, f), product(y, jacobian)
         far = {}
@@ -309,11 +311,11 @@ class _Derivation:
         return {address: self._output(k, z) for k, address in enumerate(addresses)}
 
     def _output(self, index: int, z: Mapping[str, LinearSignal]) -> LinearSignal:
-        """Return an output of the plant, which has to be affine, by its slopes."""
+        """Return an output of the plant, which must be affine, by its slopes."""
         names = self.problem.states
         root = self.equations.outputs[index]
         for k, key in enumerate(self.equations.states):
-            # A measured state is itself, exactly, even where its rest is known by a ball.
+            # A measured state is exactly that state, even if its rest is a ball.
             if getattr(root, "name", "") == key:
                 return z[names[k]]
         far = {name: between(-FAR, FAR) for name in names}
@@ -329,7 +331,7 @@ class _Derivation:
         return LinearSignal(slope.value, {n: x for n, x in slope.along.items() if x})
 
     def _bounds_of_outputs(self, z: Mapping[str, LinearSignal]) -> list[tuple[Parts, Number, str]]:
-        """Return rows that keep outputs within their bounds: beyond them a run has diverged."""
+        """Return rows for the bounds of outputs, beyond which a run has diverged."""
         bounds = []
         for k, (address, port) in enumerate(self.problem.site.interface.outputs.items()):
             line, label = self._output(k, z), ".".join(address)
@@ -342,7 +344,7 @@ class _Derivation:
         return bounds
 
     def _other_memory(self, after: Mapping[str, LinearSignal]) -> Set[str]:
-        """Return memory that is read and no row of P; refuse what does not stay as it begins."""
+        """Return memory that is read but not a row of P; refuse it unless constant."""
         others = self.walk.states_read - set(self.memory)
         for key in others:
             if after[key].parts or not after[key].rest == exact(self.walk.states[key]):
@@ -370,8 +372,8 @@ class _Derivation:
                 if (k, j) not in spread:
                     terms.append((parts, matrix[k][j]))
                     continue
-                # An entry with a spread in the certificate becomes a gain with an answer of its
-                # own; the doubt of any other (of the matrix exponential) stays in its ball.
+                # An entry with a spread in the certificate becomes a gain with its own answer; the
+                # error of any other (of the matrix exponential) stays in its ball.
                 low, high = spread[k, j]
                 if not (low <= matrix[k][j] and matrix[k][j] <= high):
                     raise LoopProofError("the plant's motion is not as it is claimed")
@@ -383,7 +385,7 @@ class _Derivation:
         return rows
 
     def _matrix(self, lines: LinearSignals, inputs: Mapping[Address, LinearSignal]) -> Matrix:
-        """Return the slopes of the plant's motion over a period, or of its rates."""
+        """Return the Jacobian of the plant's motion over a period, or of its rates."""
         ranges = self._ranges(lines, inputs)
         flat = not self.evidence.box
         jacobian = jacobian_of(self.problem, ranges)
@@ -400,7 +402,7 @@ class _Derivation:
     def _ranges(
         self, lines: LinearSignals, inputs: Mapping[Address, LinearSignal]
     ) -> dict[str, Number]:
-        """Return where states, inputs and parameters are at a sample."""
+        """Return the ranges of states, inputs and parameters at a sample."""
         problem, equations = self.problem, self.equations
         ranges = parameters_of(problem)
         for key, name in zip(equations.states, problem.states, strict=True):
@@ -438,7 +440,7 @@ class _Derivation:
         begun = [key for key in self.memory if key in self.walk.begun]
         if not begun:
             return {}, begin
-        # What begins as it first sees is as if it had been so before: both periods are the same.
+        # Memory that begins as its first input acts as if it had been so before: both walks agree.
         try:
             results: list[Any] = []
             states = {key: number_line(exact(self.walk.states[key])) for key in self.memory}
@@ -456,7 +458,7 @@ class _Derivation:
 
 
 def _demand_still(problem: LoopProblem) -> None:
-    """Refuse equations that depend on the time, jump, or let an input through at once."""
+    """Refuse moving references, and equations with explicit time, jumps or feedthrough."""
     equations = problem.equations
     if problem.moved:
         raise LoopProofError("a region is around rest, and a reference moves")

@@ -1,4 +1,4 @@
-"""The plant over a control period, its inputs held: enclosed."""
+"""Enclosures of the plant's motion over a control period, with its inputs held."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ from fuzzyarm.proof.check.spans import Matrices, Spans
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 
 FAR = exact(1e308)
-"""As far as numbers go: what is affine as far as that is affine."""
+"""Half-width of the box that stands for all states: a plant affine on it counts as affine."""
 
 SMALL, LESS = 2.0**-120, 2.0**-60
-"""Bounds of the terms left out of the series of a motion: of one, and of many at once."""
+"""Bounds of the truncated terms of a motion's series: for one motion, and for many at once."""
 
 SHORT = 12
-"""The norm up to which a motion is one series."""
+"""Largest norm of h J for a single series; a longer motion is halved."""
 
 STEPS = 4
-"""Steps of second order in a period, of what begins at one point."""
+"""Second-order steps in a period, for a motion from one point."""
 
 MOST_HALVINGS = 14
-"""How often a period is halved for that."""
+"""Most halvings of a period."""
 
 
 def parameters_of(problem: LoopProblem) -> dict[str, Number]:
@@ -53,7 +53,7 @@ def parameters_of(problem: LoopProblem) -> dict[str, Number]:
 
 
 def jacobian_of(problem: LoopProblem, ranges: Mapping[str, Number]) -> Matrix:
-    """Return the slopes of the plant's rates by its states and inputs, wherever they are."""
+    """Return the Jacobian of the plant's rates by states and inputs, over their ranges."""
     equations = problem.equations
     variables = (*equations.states, *equations.inputs)
     one = fmpq(1)
@@ -63,19 +63,19 @@ def jacobian_of(problem: LoopProblem, ranges: Mapping[str, Number]) -> Matrix:
 
 
 def is_affine(problem: LoopProblem, jacobian: Matrix) -> bool:
-    """Tell whether slopes are those everywhere, as far as numbers go."""
+    """Return whether a Jacobian over a box is the one everywhere."""
     equations, far = problem.equations, between(-FAR, FAR)
     ranges = parameters_of(problem) | dict.fromkeys((*equations.states, *equations.inputs), far)
     try:
         return is_same(jacobian, jacobian_of(problem, ranges))
-    except LoopProofError:  # of some they have no value
+    except LoopProofError:  # no value somewhere
         return False
 
 
 def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
-    """Return 1 + ∫J + ∬J J + … over a time: the k-th term lies in hᵏ/k! Jᵏ.
+    """Return 1 + ∫J + ∬J J + … over a time (Peano–Baker): the k-th term lies in hᵏ/k! Jᵏ.
 
-    Whatever J does within its numbers; where J is constant this is its matrix exponential.
+    J may vary in time within its intervals; for a constant J this is its matrix exponential.
     """
     count, size = len(jacobian), len(jacobian[0])
     step = [[ball(x) * h for x in row] for row in jacobian]
@@ -98,26 +98,26 @@ def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
 
 
 def _terms(norm: float, small: float) -> tuple[int, int, Number]:
-    """Return how often a period is halved, the last power, and a bound of the terms after it."""
+    """Return the halvings of a period, the last power, and a bound of the truncated terms."""
     norm *= 1.0 + 1e-9
     # Over halves of a period, one after another: the flow over both is their product.
     halvings = max(0, math.ceil(norm / SHORT) - 1).bit_length() if math.isfinite(norm) else 99
     if halvings > MOST_HALVINGS:
         raise LoopProofError("a period is long compared with the plant's motion")
     norm /= 2**halvings
-    last = 4 * math.ceil(norm)  # terms fall by more than half from there on
+    last = 4 * math.ceil(norm)  # from here on each term is less than half of the one before
     while arb(norm) ** (last + 1) * 2 > math.factorial(last + 1) * arb(small):
         last += 1
     return halvings, last, arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
 
 
 def _flows(step: Matrix) -> Matrix:
-    """Return the same sum of many motions at once; those of one norm, rounded up, alike."""
+    """Return the same sum for many motions at once, grouped by their norms, rounded up."""
     way = Matrices.of(step)
     norms = ((np.abs(way.near) + way.far).sum(axis=-1).max(axis=-1) * (1.0 + 1e-9)).ravel()
     norms = np.exp2(np.ceil(np.log2(np.maximum(norms, 2.0**-6)))) * (1.0 + 1e-9)
     total = Matrices(np.full_like(way.near, np.nan), np.full_like(way.far, np.nan))
-    for norm in np.unique(norms[norms < SHORT * 2.0**MOST_HALVINGS]):  # of others nothing is known
+    for norm in np.unique(norms[norms < SHORT * 2.0**MOST_HALVINGS]):  # others stay unknown
         which = (norms == norm).reshape(way.near.shape[:-2])
         found = _flows_of(Matrices(way.near[which], way.far[which]), *_terms(float(norm), LESS))
         total.near[which], total.far[which] = found.near, found.far
@@ -140,9 +140,9 @@ def _flows_of(way: Matrices, halvings: int, last: int, tail: Number) -> Matrices
 def around_motion(
     problem: LoopProblem, ranges: Mapping[str, Number], time: Number | None = None
 ) -> dict[str, Number]:
-    """Return a box that no motion which begins in the given one leaves in a period, or a time.
+    """Return an a-priori enclosure: a box that no motion from `ranges` leaves within a time.
 
-    Of many: NaN where none was found.
+    Of many boxes: NaN for those without one.
     """
     equations = problem.equations
     h = exact(problem.period) if time is None else time
@@ -160,14 +160,14 @@ def around_motion(
     stay: Any = None
     for count in range(20):
         box = moved(wide)
-        # Picard's operator takes `wide` into itself, so no motion leaves what it makes of it.
+        # Picard's operator maps `wide` into itself, so no motion leaves its image.
         if count and all(holds(wide[key], box[key]) for key in equations.states):
             return moved(box) if stay is None else box
         stay = _enclosed(wide, box, equations.states)
         if stay is not None and (stay | _is_unknown(box, equations.states)).all():
             break
         for key in equations.states:
-            # Wider by a share of what the motion adds: narrow states beside wide ones, too.
+            # Wider by a share of the motion itself: narrow states beside wide ones, too.
             added = _width(box[key]) - _width(ranges[key])
             wider = around(box[key], added / 4 + fmpq(1, 10**12))
             wide[key] = wider if stay is None else Spans.of(wide[key]).chosen(stay, wider)
@@ -180,7 +180,7 @@ def around_motion(
 def end_of_motion(
     problem: LoopProblem, ranges: Mapping[str, Number], steps: int = STEPS
 ) -> list[Number]:
-    """Return where a motion from one point is after a period, by steps x + h f + ½ h² f' f."""
+    """Return the end of a motion from one point after a period, by steps x + h f + ½ h² f' f."""
     equations = problem.equations
     h = exact(problem.period) / steps
     at = [ranges[key] for key in equations.states]
@@ -202,7 +202,7 @@ def end_of_motion(
 
 
 def _enclosed(wide: Mapping[str, Number], box: Mapping[str, Number], keys: Sequence[str]) -> Any:
-    """Tell which of many boxes are enclosed already; nothing of a single one."""
+    """Return which of many boxes are enclosed already; None for a single one."""
     if not any(isinstance(box[key], Spans) for key in keys):
         return None
     pairs = [(Spans.of(wide[key]), Spans.of(box[key])) for key in keys]
@@ -212,7 +212,7 @@ def _enclosed(wide: Mapping[str, Number], box: Mapping[str, Number], keys: Seque
 
 
 def _is_unknown(box: Mapping[str, Number], keys: Sequence[str]) -> Any:
-    """Tell which of many boxes have no ends."""
+    """Return which of many boxes have no bounds."""
     spans = [Spans.of(box[key]) for key in keys]
     return ~np.logical_and.reduce(
         np.broadcast_arrays(*(np.isfinite(x.low) & np.isfinite(x.high) for x in spans))
@@ -226,7 +226,7 @@ def _width(x: Number) -> Number:
 def output_between_samples(
     problem: LoopProblem, states: Mapping[str, Number], output: str
 ) -> Number:
-    """Return where an output can be from one sample to the next."""
+    """Return the range of an output between two samples."""
     equations, interface = problem.equations, problem.site.interface
     ranges = parameters_of(problem)
     for key, name in zip(equations.states, problem.states, strict=True):

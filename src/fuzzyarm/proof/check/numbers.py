@@ -1,4 +1,4 @@
-"""Numbers of the checker: rationals where they are exact, else Arb's balls (python-flint).
+"""Numbers of the checker: exact rationals, else Arb's balls (python-flint).
 
 A number is an ``fmpq``, exact, or an ``arb``, a ball that holds the true value; or many intervals
 at once (:class:`~fuzzyarm.proof.check.spans.Spans`). All mix: whatever
@@ -38,11 +38,11 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 BITS = 160
-"""Of a ball's middle. Fewer would make balls wider, and no statement wrong."""
+"""Precision of a ball's midpoint. Fewer bits widen balls, and make no statement wrong."""
 
 
 def precisely(work: Callable[P, R]) -> Callable[P, R]:
-    """Let a function compute with balls of :data:`BITS` bits, and with NaN without a warning."""
+    """Run a function with balls of :data:`BITS` bits, and without warnings for NaN."""
 
     @wraps(work)
     def with_bits(*arguments: P.args, **keywords: P.kwargs) -> R:
@@ -53,30 +53,30 @@ def precisely(work: Callable[P, R]) -> Callable[P, R]:
 
 
 class SpanError(LoopProofError):
-    """Something has no value, or no bound, where numbers are."""
+    """An expression has no value, or no bound, over its numbers."""
 
 
 def exact(value: float | Rational) -> fmpq:
-    """Return a float or a rational, which it is exactly."""
+    """Return a float or a rational as an exact rational."""
     if isinstance(value, float) and not math.isfinite(value):
         raise SpanError(f"{value} is not a number")
     return spans.exact(Fraction(value))
 
 
 def ball(x: Number) -> Number:
-    """Return a ball, or balls, that hold a number."""
+    """Return a ball, or balls, around a number."""
     return x if isinstance(x, Spans) else arb(x)
 
 
 def between(low: Number, high: Number) -> Number:
-    """Return a number that holds all from `low` to `high`."""
+    """Return a number that contains [low, high]."""
     if isinstance(low, Spans) or isinstance(high, Spans):
         return Spans.of(low).union(high)
     return low if isinstance(low, fmpq) and low == high else arb(low).union(arb(high))
 
 
 def around(centre: Number, far: Number) -> Number:
-    """Return a number that holds all that is not further from a centre."""
+    """Return a number that contains all values up to `far` from a centre."""
     return ball(centre) + arb(0, 1) * ball(far)
 
 
@@ -105,7 +105,7 @@ def _fraction(x: Number) -> Fraction:
 
 
 def float_below(x: Number) -> float:
-    """Return a float that is not above a number, or above none of many."""
+    """Return a float not above a number, or not above any of many."""
     if isinstance(x, Spans):
         return float(np.min(x.low))
     low = least(x)
@@ -114,7 +114,7 @@ def float_below(x: Number) -> float:
 
 
 def float_above(x: Number) -> float:
-    """Return a float that is not below a number."""
+    """Return a float not below a number."""
     return -float_below(-x)
 
 
@@ -124,17 +124,17 @@ def middle(x: Number) -> Number:
 
 
 def radius(x: Number) -> Number:
-    """Return how far a number may be from its middle."""
+    """Return the largest distance of a number from its midpoint."""
     return ZERO if isinstance(x, fmpq) else x.rad()
 
 
 def is_zero(x: Number) -> bool:
-    """Tell whether a number is certainly 0; ``x != 0`` of a ball means certainly not 0."""
+    """Return whether a number is certainly 0; ``x != 0`` of a ball means certainly not 0."""
     return bool(x == 0)
 
 
 def is_point(x: Number) -> bool:
-    """Tell whether a number is known exactly."""
+    """Return whether a number is exact."""
     return isinstance(x, fmpq) or x.is_exact()
 
 
@@ -144,12 +144,12 @@ def magnitude(x: Number) -> Number:
 
 
 def holds(outer: Number, inner: Number) -> bool:
-    """Tell whether all of one number is in another one."""
+    """Return whether one number contains another."""
     return bool(least(outer) <= least(inner) and greatest(inner) <= greatest(outer))
 
 
 def is_same(a: Any, b: Any) -> bool:
-    """Tell whether two structures are the same; of balls: with the same middle and radius."""
+    """Return whether two structures are equal; balls by midpoint and radius."""
     if isinstance(a, Mapping):
         return a.keys() == b.keys() and all(is_same(x, b[name]) for name, x in a.items())
     if isinstance(a, list | tuple):
@@ -162,7 +162,7 @@ def is_same(a: Any, b: Any) -> bool:
 
 
 def hull(*numbers: Number) -> Number:
-    """Return a number that holds some."""
+    """Return a number that contains all of these."""
     total = numbers[0]
     for x in numbers[1:]:
         total = total if isinstance(total, fmpq) and is_point(x) and total == x else between(
@@ -171,7 +171,7 @@ def hull(*numbers: Number) -> Number:
 
 
 def square(x: Number) -> Number:
-    """Return x², which is not below 0."""
+    """Return x², never below 0."""
     if isinstance(x, fmpq):
         return x * x
     low, high = x.abs_lower(), x.abs_upper()
@@ -181,7 +181,7 @@ def square(x: Number) -> Number:
 # ── functions ────────────────────────────────────────────────────────────────────────
 
 LARGE = 64
-"""Magnitude of an exponent above which nothing is computed."""
+"""Largest magnitude of an exponent."""
 
 AT_ZERO = {
     **dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh", "sqrt"), ZERO),
@@ -192,14 +192,14 @@ AT_ZERO = {
 GROWING = frozenset({"exp", "sinh", "cosh"})
 
 RISING = frozenset({"sqrt", "exp", "log", "asin", "atan", "sinh", "tanh"})
-"""Functions that lie between their values at the ends, which one ball around both would widen."""
+"""Monotone functions, bounded by their values at both ends: tighter than one ball."""
 
 FUNCTIONS = (*RISING, "cosh", "sin", "cos", "tan", "acos", "absolute")
-"""Operations of one argument, named as the methods of a ball are."""
+"""Operations of one argument, by the name of the ball's method."""
 
 
 def function(name: str, x: Number) -> Number:
-    """Return one of :data:`FUNCTIONS`; SpanError (of many: NaN) where it has no value or bound."""
+    """Return one of :data:`FUNCTIONS`; SpanError (NaN for many) without a value or bound."""
     if name == "absolute":
         return abs(x) if isinstance(x, fmpq) else between(x.abs_lower(), x.abs_upper())
     if isinstance(x, Spans):
@@ -210,7 +210,7 @@ def function(name: str, x: Number) -> Number:
 
 
 def _function(name: str, x: Number) -> Number:
-    """Return a function, by Arb."""
+    """Return a function evaluated by Arb."""
     if name in GROWING and not magnitude(x) < LARGE:
         raise SpanError("the exponential of a large number")
     at = (least(x), greatest(x)) if name in RISING and not is_point(x) else (x,)
@@ -253,10 +253,11 @@ def product(a: Sequence[Sequence[Number]], b: Sequence[Sequence[Number]]) -> Mat
 
 
 def is_positive_definite(matrix: Sequence[Sequence[Number]]) -> bool:
-    """Tell whether all symmetric matrices within one of numbers are certainly positive definite.
+    """Return whether every symmetric matrix within a matrix of balls is positive definite.
 
-    Errors of entries are subtracted from the diagonal: a symmetric E with |Eᵢⱼ| ≤ Sᵢⱼ is at most
-    the diagonal matrix of the sums of the rows of S. The rest is Cholesky's elimination.
+    Radii of entries are subtracted from the diagonal: a symmetric E with |Eᵢⱼ| ≤ Sᵢⱼ is at most the
+    diagonal matrix of the row sums of S (diagonal dominance). The rest is Cholesky's elimination.
+
     """
     with ctx.workprec(400):
         return _is_positive_definite([[arb(x) for x in row] for row in matrix])
@@ -266,7 +267,7 @@ def _is_positive_definite(balls: Matrix) -> bool:
     size = range(len(balls))
     if not all(balls[i][i] > 0 for i in size):
         return False
-    # Rows and columns times powers of 2, so that the diagonal is near 1: the signs stay.
+    # Rows and columns are scaled by powers of 2 for a diagonal near 1: the signs stay.
     scale = [arb(2) ** (-_exponent(balls[i][i]) // 2) for i in size]
     work = [[balls[i][j].mid() * scale[i] * scale[j] for j in size] for i in size]
     for i in size:

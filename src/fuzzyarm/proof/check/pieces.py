@@ -1,4 +1,4 @@
-"""A simplex of inputs on which an output is the quotient of two polynomials: what holds there."""
+"""A simplex of inputs with an output as quotient of two polynomials, and its bounds."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from fuzzyarm.proof.check.polynomials import (
 from fuzzyarm.proof.claim.problem import LoopProofError
 
 GRID = 1 << 20
-"""Parts of a simplex to which shares are rounded."""
+"""Resolution to which shares of a simplex are rounded."""
 
 
 class Piece(NamedTuple):
-    """A simplex and an output on it, ``upper / lower``; `fault`: why it has no value there."""
+    """A simplex and an output on it, ``upper / lower``; `fault`: why it has no value."""
 
     corners: tuple[Vector, ...]
     upper: Polynomial
@@ -37,7 +37,7 @@ class Piece(NamedTuple):
 
 
 class BoundedPiece:
-    """A piece of full dimension with bounds of its value and its slopes, found on demand."""
+    """A piece of full dimension with bounds of value and slopes, computed on demand."""
 
     def __init__(self, piece: Piece) -> None:
         self.piece = piece
@@ -50,7 +50,7 @@ class BoundedPiece:
             self.origin = piece.corners[0]
 
     def shares(self, box: Sequence[Number]) -> list[tuple[Number, Number]] | None:
-        """Return bounds of the barycentric coordinates in a box; None: it is not in the piece."""
+        """Return bounds of the barycentric coordinates of a box; None if it misses the piece."""
         if self.is_flat:
             return None
         away = [arb(x) - arb(x0) for x, x0 in zip(box, self.origin, strict=True)]
@@ -71,7 +71,7 @@ class BoundedPiece:
         shares: Sequence[tuple[Number, Number]],
         box: Sequence[Number],
     ) -> tuple[Number, list[Number]]:
-        """Return bounds of the value, and of slopes along some axes, where shares are."""
+        """Return bounds of the value, and of slopes along some axes, for bounds of the shares."""
         if not axes and all((high - low) * GRID < 1 for low, high in shares):  # a point
             upper, lower = (bounds_of(terms, shares) for terms in self._terms)
             return (upper / lower if lower > 0 else self._whole[0]), []
@@ -87,18 +87,18 @@ class BoundedPiece:
 
     @cached_property
     def constant(self) -> Vector | None:
-        """The slopes, where they are the same all over the piece."""
+        """The slopes, if they are constant over the piece."""
         slopes = self._whole[1]
         return tuple(slopes) if all(isinstance(slope, fmpq) for slope in slopes) else None
 
     def _smaller(
         self, shares: Sequence[tuple[Number, Number]]
     ) -> tuple[list[Polynomial], list[Vector], fmpq]:
-        """Return the simplex where λᵢ ≥ aᵢ: λ = a + (1 − Σ a) μ by μ, its corners, 1 − Σ a."""
+        """Return λ by μ in the subsimplex λᵢ ≥ aᵢ, λ = a + (1 − Σ a) μ, its corners, 1 − Σ a."""
         steps = (int((low * GRID).floor().unique_fmpz()) - 1 for low, _ in shares)
         lows = [fmpq(max(step, 0), GRID) for step in steps]
         size = ONE - sum(lows, ZERO)
-        if size <= 0:  # it only seems to be there
+        if size <= 0:  # empty but for rounding
             size, lows = ONE, [ZERO] * len(lows)
         units = ring_of(len(shares))[1]
         unit = sum(units)
@@ -118,7 +118,7 @@ class BoundedPiece:
 
     @cached_property
     def _whole(self) -> tuple[Number, list[Number], fmpq]:
-        """Bounds of the value and of the slopes on all of it, and the value at its first corner."""
+        """Bounds of value and slopes over the piece, and the value at its first corner."""
         piece, axes = self.piece, range(len(self.gradient[0]))
         area = piece.lower * piece.lower
         slopes = [ratio(slope_along(piece, self.gradient, axis), area) for axis in axes]
@@ -127,7 +127,7 @@ class BoundedPiece:
 
 
 def is_within(piece: Piece, low: fmpq, high: fmpq) -> bool:
-    """Tell whether the output is proved to lie between two numbers on a piece."""
+    """Return whether the output is proved to lie between two numbers on a piece."""
     return is_not_negative(plus(piece.upper, piece.lower, -low)) and is_not_negative(
         plus(piece.lower * high, piece.upper, -ONE)
     )
@@ -157,7 +157,7 @@ def sides_of(piece: Piece, row: Vector) -> list[Piece]:
 
 
 def gradients_of(piece: Piece, axes: Sequence[int]) -> list[Vector] | None:
-    """Return ∂λᵢ/∂x along some axes: Σ λᵢ vᵢ = x and Σ λᵢ = 1; None of a flat simplex."""
+    """Return ∂λᵢ/∂x along some axes, from Σ λᵢ vᵢ = x and Σ λᵢ = 1; None for a flat simplex."""
     size = len(piece.corners)
     if len(axes) != size - 1:
         raise LoopProofError("a piece of another dimension than its inputs")

@@ -1,7 +1,8 @@
 """Polynomials on a simplex, homogeneous in its barycentric coordinates: signs and quotients.
 
-One without a negative coefficient is nowhere negative on its simplex; where that does not show a
-sign the simplex is halved. A quotient lies between the least and the largest of coefficients.
+A polynomial without negative coefficients is nowhere negative on its simplex; if the coefficients
+show no sign the simplex is halved. A quotient lies between the least and the largest quotient of
+coefficients (Bernstein form).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from fuzzyarm.proof.check.numbers import ONE, ZERO, Number, SpanError, between
 from fuzzyarm.proof.stop import check_time
 
 DEEPEST = 14
-"""How often a simplex is halved before a claim is given up."""
+"""Most halvings of a simplex before a claim is given up."""
 
 Vector = tuple[fmpq, ...]
 Polynomial = Any
@@ -27,7 +28,7 @@ Polynomial = Any
 
 @lru_cache(maxsize=32)
 def ring_of(size: int) -> tuple[Any, list[Polynomial]]:
-    """Return the ring of polynomials of so many coordinates, and these."""
+    """Return the ring of polynomials in barycentric coordinates, and these."""
     ring = fmpq_mpoly_ctx.get([f"l{k}" for k in range(size)])
     return ring, list(ring.gens())
 
@@ -39,13 +40,13 @@ def power_of_unit(size: int, power: int) -> Polynomial:
 
 
 def linear(values: Vector) -> Polynomial:
-    """Return the polynomial with some values at the corners."""
+    """Return the linear polynomial with the given values at the corners."""
     ring, units = ring_of(len(values))
     return sum((x * unit for x, unit in zip(values, units, strict=True)), ring.constant(ZERO))
 
 
 def level(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Return both of the same degree: times (λ₀ + … + λ_d)ⁿ, which is 1."""
+    """Return both with the same degree: multiplied by (λ₀ + … + λ_d)ⁿ = 1."""
     gap = p.total_degree() - q.total_degree()
     if p.is_zero() or q.is_zero() or not gap:
         return p, q
@@ -60,7 +61,7 @@ def plus(p: Polynomial, q: Polynomial, factor: fmpq) -> Polynomial:
 
 
 def is_positive(p: Polynomial) -> bool:
-    """Tell whether a polynomial is positive on the whole simplex, corners included."""
+    """Return whether a polynomial is proved positive on the whole simplex, corners included."""
     if not min(p.coeffs(), default=ZERO) > 0:
         return False
     degree = p.total_degree()
@@ -69,16 +70,16 @@ def is_positive(p: Polynomial) -> bool:
 
 
 def is_not_negative(p: Polynomial, depth: int = DEEPEST) -> bool:
-    """Tell whether a polynomial is shown to be at least 0 on its simplex, by halving it."""
+    """Return whether a polynomial is proved at least 0 on its simplex, by halving."""
     if min(p.coeffs(), default=ZERO) >= 0:
         return True
     negative = {powers: x for powers, x in p.to_dict().items() if x < 0}
     degree = p.total_degree()
     if not depth or any(max(powers) == degree for powers in negative):
-        return False  # a corner where it is negative
+        return False  # negative at a corner
     check_time()
     units = ring_of(len(next(iter(negative))))[1]
-    # The edge along which the coefficients bend most.
+    # The edge with the largest second difference of coefficients.
     i, j = max(
         combinations(range(len(units)), 2),
         key=lambda pair: sum(-x * (k[pair[0]] + k[pair[1]]) for k, x in negative.items()),
@@ -88,7 +89,7 @@ def is_not_negative(p: Polynomial, depth: int = DEEPEST) -> bool:
 
 
 def moved(p: Polynomial, stays: int, moves: int, share: fmpq) -> Polynomial:
-    """Return p on the simplex whose one corner moves to ``(1 - share) stays + share moves``."""
+    """Return p on the simplex with one corner moved to ``(1 - share) stays + share moves``."""
     units = list(ring_of(len(p.context().gens()))[1])
     units[stays] = units[stays] + units[moves] * (ONE - share)
     units[moves] = units[moves] * share
@@ -96,7 +97,7 @@ def moved(p: Polynomial, stays: int, moves: int, share: fmpq) -> Polynomial:
 
 
 def ratio(p: Polynomial, q: Polynomial) -> Number:
-    """Return bounds of p/q, q positive: of a degree at which no coefficient of q is 0."""
+    """Return bounds of p/q for q > 0, at a degree with no zero coefficient of q."""
     size = q.context().nvars()
     unit = power_of_unit(size, 1)
     p, q = level(p, q)
@@ -111,7 +112,7 @@ def ratio(p: Polynomial, q: Polynomial) -> Number:
 
 
 def coefficients(polynomial: Polynomial, degree: int) -> dict[tuple[int, ...], fmpq]:
-    """Return the coefficients of a polynomial at a degree that is not below its own."""
+    """Return the coefficients of a polynomial at its own or a higher degree."""
     if polynomial.is_zero():
         return {}
     missing = degree - int(polynomial.total_degree())
@@ -125,7 +126,7 @@ def first_coefficient(terms: Mapping[Any, fmpq]) -> fmpq:
 
 
 def bounds_of(terms: Any, shares: Sequence[tuple[Number, Number]]) -> Number:
-    """Return bounds of a polynomial of numbers that are not negative, term by term."""
+    """Return bounds of a polynomial over numbers that are not negative, term by term."""
     low, high = arb(0), arb(0)
     for powers, x in terms:
         small = large = x
@@ -138,5 +139,5 @@ def bounds_of(terms: Any, shares: Sequence[tuple[Number, Number]]) -> Number:
 
 
 def dot(row: Vector, corner: Vector) -> fmpq:
-    """Return a sum of products."""
+    """Return the scalar product."""
     return sum((w * x for w, x in zip(row, corner, strict=True) if w), ZERO)

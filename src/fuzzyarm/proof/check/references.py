@@ -1,7 +1,7 @@
-"""References that move, enclosed by the checker: its own reading of their formulas.
+"""Moving references, enclosed by the checker: its own reading of their formulas.
 
-At a time that is a rational a value is one, exactly, or a ball where a formula has a sine. Over a
-time h it is within h²/8 max |r''| of the chord between both ends, or is constant before a jump.
+At a rational time a value is rational, or a ball if its formula has a sine. Over a time h it is
+within h²/8 max |r''| of the chord between both ends, or constant before a jump.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from fuzzyarm.proof.claim.problem import LoopProblem
 
 
 def _value(signal: Signal, order: int, time: Number) -> Number:
-    """Return its value (0), rate or acceleration at a time, or at all times of a ball."""
+    """Return the value (0), rate or acceleration at a time, or over all times of a ball."""
     roots, numbers = signal.traced
     values = {name: Slope(exact(x), {}) for name, x in numbers.items()}
     return slopes_of([roots[order]], {"t": Slope(time, {}), **values})[0].value
 
 
 def sampled_references(problem: LoopProblem, period: int) -> dict[Address, Number]:
-    """Return the references in a period that are not `set_point`, with those of ``simulate``."""
+    """Return the moving references in a period, by their exact formula and as in ``simulate``."""
     time = exact(problem.time_of(problem.held_since(period)))
     return {
         address: hull(
@@ -32,12 +32,12 @@ def sampled_references(problem: LoopProblem, period: int) -> dict[Address, Numbe
 
 
 def reference_between(problem: LoopProblem, address: Address, period: int) -> Number:
-    """Return a reference between one sample and the next."""
+    """Return the range of a reference between two samples."""
     if address not in problem.moved:
         return exact(problem.set_point[address])
     signal, order = problem.moved[address]
     begin, end = problem.time_of(period), problem.time_of(period + 1)
-    # Before a jump at the end all is constant.
+    # Constant up to a jump at the end.
     times = [begin] if signal.jump == end else [begin, end]
     ends = [_value(signal, order, exact(time)) for time in times]
     bend = _value(signal, 2, between(exact(begin), exact(end)))

@@ -1,4 +1,4 @@
-"""Whether a region proves its claim, once the loop is derived: V falls, within all bounds.
+"""The theorem of a region, checked for a derived loop: V falls, and all bounds hold.
 
 For a symmetric P, multipliers τₖ ≥ 0 and a rate ρ in [0, 1)
 
@@ -7,14 +7,14 @@ For a symmetric P, multipliers τₖ ≥ 0 and a rate ρ in [0, 1)
    −2 zᵀP(A z + B w) in place of the difference;
 3. V ≤ 1 keeps |g z| ≤ limit for each row of the loop's bounds: [[P, g], [gᵀ, limit²]] > 0.
 
-Then V ≤ 1 is never left, and every motion that begins in it goes to rest, V falling by a factor
-1 − ρ in each period: the loop is its matrices wherever the bounds hold, and there |wₖ| ≤ |vₖ|.
+Then V ≤ 1 is invariant, and every motion from it converges to rest, V falling by a factor 1 − ρ
+in each period: within the bounds the matrices describe the loop, and |wₖ| ≤ |vₖ| (S-procedure).
 
-*Cones.* Where rule bases have an edge at rest, the states may be cut into parts: by some inputs
-eₖ z of rule bases, each at least or at most 0, in all combinations. In part i the loop has
-matrices of its own, Aᵢ z + Bᵢ w, of slopes on that side alone, and a function Vᵢ = zᵀPᵢz. F are
-its eₖ z, turned so that none is negative there, and those of part j at the next sample. For a P,
-symmetric Nᵢⱼ without a negative entry, τ ≥ 0 of each i and j, and a growth γ ≥ 1
+*Cones.* If rule bases have an edge at rest, the state space may be cut into parts by the signs of
+some inputs eₖ z of rule bases, in all combinations. Part i has its own matrices Aᵢ z + Bᵢ w, from
+slopes on its side alone, and a function Vᵢ = zᵀPᵢz. F stacks its eₖ z, with signs such that none
+is negative there, and those of part j at the next sample. For a P, symmetric Nᵢⱼ without a
+negative entry, τ ≥ 0 for each i and j, and a growth γ ≥ 1
 
 1. Pᵢ > 0, and Pᵢ ≤ P ≤ γ Pᵢ;
 2. (1 − ρ) Vᵢ(z) − Vⱼ(Aᵢ z + Bᵢ w) − Σ τₖ (vₖ² − wₖ²) − FᵀNᵢⱼF > 0 for all (z, w) ≠ 0, all i, j;
@@ -22,10 +22,10 @@ symmetric Nᵢⱼ without a negative entry, τ ≥ 0 of each i and j, and a grow
 3. Vᵢ ≤ 1 keeps |g z| ≤ limit for each row of the loop and of part i.
 
 A run at z in part i is in some part j at the next sample; there |wₖ| ≤ |vₖ| and F ≥ 0, so that
-FᵀNF ≥ 0 and Vⱼ < (1 − ρ) Vᵢ. From zᵀPz ≤ 1, where Vᵢ ≤ 1, all parts' functions stay below 1,
-so that the bounds hold at all samples, and every motion goes to rest; on the way, k periods
-later, zᵀPz is at most γ (1 − ρ)ᵏ times what it was. Nothing is asked of Vᵢ and Vⱼ where parts
-meet, since samples go from one to the other by a step. (M. Johansson and A. Rantzer, "Computation
+FᵀNF ≥ 0 and Vⱼ < (1 − ρ) Vᵢ. From zᵀPz ≤ 1, where Vᵢ ≤ 1, the functions of all parts stay below
+1, so that the bounds hold at all samples, and every motion converges to rest; k periods later zᵀPz
+is at most γ (1 − ρ)ᵏ times its start. V need not be continuous where parts meet, since samples
+step from one to the other. (M. Johansson and A. Rantzer, "Computation
 of piecewise quadratic Lyapunov functions for hybrid systems", *IEEE Transactions on Automatic
 Control* 43, 1998, in continuous time; G. Ferrari-Trecate, F. A. Cuzzola, D. Mignone and M. Morari,
 "Analysis of discrete-time piecewise affine and hybrid systems", *Automatica* 38, 2002.)
@@ -75,7 +75,7 @@ from fuzzyarm.proof.stop import check_time
 Rows = Sequence[Sequence[Number | Fraction]]
 
 ROUNDED = 1e-7
-"""Relative width up to which a rest is one point, that was found in floats."""
+"""Relative width up to which a rest counts as one point, found in floats."""
 
 
 def _exact(rows: Rows) -> Matrix:
@@ -88,7 +88,7 @@ def _exact(rows: Rows) -> Matrix:
 def refutation(
     system: System, p: Rows, multipliers: Sequence[Fraction], rate: Fraction = Fraction(0)
 ) -> str:
-    """Return why V does not prove that a system comes to rest; empty where it does."""
+    """Return why V does not prove convergence of a system; empty if it does."""
     n, m = system.size, len(system.blocks)
     if len(p) != n or any(len(row) != n for row in p) or len(multipliers) != m:
         return "its matrices are not of the loop's size"
@@ -105,7 +105,7 @@ def refutation(
 
 
 def is_inside(p: Rows, row: Sequence[Number], limit: Number, level: Number = ONE) -> bool:
-    """Tell whether zᵀPz ≤ level keeps |g z| below a limit."""
+    """Return whether zᵀPz ≤ level keeps |g z| below a limit."""
     if all(x == 0 for x in row):
         return bool(limit > 0)
     bordered = [*([*line, g] for line, g in zip(_exact(p), row, strict=True))]
@@ -113,7 +113,7 @@ def is_inside(p: Rows, row: Sequence[Number], limit: Number, level: Number = ONE
 
 
 def falls(system: System, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
-    """Tell whether V falls along a system, see 2. above."""
+    """Return whether V falls along a system, see 2. above."""
     if rate and not system.period:
         return False
     with ctx.workprec(300):
@@ -152,7 +152,7 @@ def _fall(
 
 
 def _is_positive(p: Rows) -> bool:
-    """Tell whether a matrix is symmetric and positive definite."""
+    """Return whether a matrix is symmetric and positive definite."""
     matrix = _exact(p)
     size = range(len(matrix))
     symmetric = all(matrix[i][j] == matrix[j][i] for i in size for j in range(i))
@@ -162,11 +162,11 @@ def _is_positive(p: Rows) -> bool:
 # ── V of cones ───────────────────────────────────────────────────────────────────────
 
 Parts = Sequence[tuple[System, Cone]]
-"""Each cone, with the loop in it."""
+"""Cones with the loop in each."""
 
 
 def refutation_of_cones(system: System, parts: Parts, region: RegionProof) -> str:
-    """Return why functions of cones do not prove that a system comes to rest; empty: they do."""
+    """Return why the functions of cones do not prove convergence; empty if they do."""
     n, p = system.size, region.p
     square = all(len(m) == n and all(len(row) == n for row in m)
                  for m in (p, *(cone.p for _, cone in parts)))  # fmt: skip
@@ -184,7 +184,7 @@ def refutation_of_cones(system: System, parts: Parts, region: RegionProof) -> st
 
 
 def _outside_of_cone(system: System, part: System, cone: Cone, region: RegionProof) -> str:
-    """Return what the function of a cone does not keep within; empty: it keeps all."""
+    """Return the bound that the function of a cone does not keep; empty if it keeps all."""
     p, growth = region.p, exact(region.growth)
     if cone.p != p and not (_is_above(p, cone.p, ONE) and _is_above(cone.p, p, growth)):
         return "the function of a cone is not between its start and its growth"
@@ -195,7 +195,7 @@ def _outside_of_cone(system: System, part: System, cone: Cone, region: RegionPro
 
 
 def _is_above(larger: Rows, smaller: Rows, factor: Number) -> bool:
-    """Tell whether one function times a factor is above another."""
+    """Return whether one function times a factor is above another."""
     pairs = zip(_exact(larger), _exact(smaller), strict=True)
     return is_positive_definite(
         [[x * factor - y for x, y in zip(*rows, strict=True)] for rows in pairs]
@@ -203,7 +203,7 @@ def _is_above(larger: Rows, smaller: Rows, factor: Number) -> bool:
 
 
 def _are_all(cones: Sequence[System]) -> bool:
-    """Tell whether cones are all of the states: both sides of each signal, in all combinations."""
+    """Return whether cones cover the state space: all combinations of signs."""
     found = []
     for cone in cones:
         signs: dict[tuple[Number, ...], bool] = {}
@@ -223,7 +223,7 @@ def _are_all(cones: Sequence[System]) -> bool:
 
 
 def fall_in_cones(parts: Parts, rate: Fraction) -> bool:
-    """Tell whether V falls from each cone to each, see 2. above."""
+    """Return whether V falls from each cone to each, see 2. above."""
     alike = all(cone.p == parts[0][1].p for _, cone in parts)
     for part, cone in parts:
         if len(cone.falls) == 1 and alike:
@@ -241,7 +241,7 @@ def fall_in_cones(parts: Parts, rate: Fraction) -> bool:
 def _falls_into(
     part: System, now: Rows, into: System | None, then: Rows, fall: Fall, rate: Fraction
 ) -> bool:
-    """Tell whether V falls from a cone to another one, or to any."""
+    """Return whether V falls from a cone into another one, or into any."""
     sides = [list(row) for row in part.sides]
     with ctx.workprec(300):
         if into is not None:
@@ -278,12 +278,12 @@ def faded(rate: Fraction, periods: int) -> Number:
 
 
 def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[list[Number]]:
-    """Return the corners of the start, as deviations from rest; memory as it is at the start."""
+    """Return the corners of the start as deviations from rest, with the initial memory."""
     ends = [
         tuple(dict.fromkeys((exact(problem.start[name].low), exact(problem.start[name].high))))
         for name in problem.states
     ]
-    # V is convex, so its largest value over a box of starts is at a corner; 2ⁿ of them are tried.
+    # V is convex, so its maximum over a box of starts is at one of its 2ⁿ corners.
     if 2 ** sum(len(end) > 1 for end in ends) > 4096:
         raise LoopProofError("a start of more than 12 intervals")
     return [
@@ -293,7 +293,7 @@ def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[list[Number]
 
 
 def _with_memory(loop: CheckedLoop, states: Mapping[str, Number]) -> list[Number]:
-    """Return z of the moment before the first period, of states of the plant."""
+    """Return z just before the first period, from the plant's states."""
     values = []
     for name in loop.names:
         if name in states:
@@ -312,9 +312,10 @@ def _with_memory(loop: CheckedLoop, states: Mapping[str, Number]) -> list[Number
 
 
 def has_known_start(problem: LoopProblem, loop: CheckedLoop) -> bool:
-    """Tell whether the states of the plant determine the start of all memory.
+    """Return whether the plant's states determine the initial memory.
 
-    What a `rate of` holds before its first sample is not a function of them.
+    The first value of a `rate of` does not depend on them.
+
     """
     return not set(loop.names) - {*problem.states, *loop.seeds, *loop.begin}
 
@@ -322,16 +323,17 @@ def has_known_start(problem: LoopProblem, loop: CheckedLoop) -> bool:
 def start_quadric(
     problem: LoopProblem, loop: CheckedLoop, p: Rows, states: Sequence[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    """Return Q, l, c with V - 1 = xᵀQx + l x + c where some states start x away from rest.
+    """Return Q, l, c with V - 1 = xᵀQx + l x + c for starts of some states x away from rest.
 
-    The other states of the plant begin at rest, the memory as it does. For pictures and words.
+    Other states of the plant begin at rest, the memory at its initial values. For pictures and
+    words only.
     """
     names = problem.states
     rest = {name: middle(loop.rest[name]) for name in names}
     base = np.array(_floats(_with_memory(loop, rest)))
     ways = []
     for k in states:
-        # The way from a state to z is affine: one column of it for each unit step.
+        # The map from states to z is affine: one column for each unit step.
         shifted = {**rest, names[k]: rest[names[k]] + 1}
         ways.append(np.array(_floats(_with_memory(loop, shifted))) - base)
     way, plain = np.array(ways), np.array([_floats(row) for row in p])
@@ -343,9 +345,9 @@ def _floats(values: Sequence[Number]) -> list[float]:
 
 
 def _along_alone(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> dict[str, float]:
-    """Return how far the loop may start along each state, the memory as it is at the start."""
+    """Return the largest starts along each state alone, with the initial memory."""
     values: dict[str, float] = {}
-    # Memory that begins at a number is at another distance from each rest.
+    # Memory with a fixed initial value has another deviation from each rest.
     if not has_known_start(problem, loop) or set(loop.begin) & set(rests_of(loop)):
         return values
     for k, name in enumerate(problem.states):
@@ -359,11 +361,11 @@ def _along_alone(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> dict[str, 
     return values
 
 
-# ── where a region reaches ───────────────────────────────────────────────────────────
+# ── reach of a region ────────────────────────────────────────────────────────────────
 
 
 def reach_of(loop: CheckedLoop, level: Number, p: Rows) -> dict[str, float]:
-    """Return how far each state is from rest at most where V is at most a level."""
+    """Return the largest deviation of each state on V ≤ level."""
     inverse = np.linalg.inv(np.array([_floats(row) for row in p]))
     rows = [[fmpq(int(i == k)) for i in range(loop.size)] for k in range(loop.size)]
     return {
@@ -372,12 +374,12 @@ def reach_of(loop: CheckedLoop, level: Number, p: Rows) -> dict[str, float]:
 
 
 def _farthest(p: Rows, inverse: NDArray[np.float64], row: Sequence[Number], level: Number) -> float:
-    """Return an upper bound of |g z| where V is at most a level; infinite if unknown."""
+    """Return an upper bound of |g z| on V ≤ level; infinite if unknown."""
     if level == 0 or all(x == 0 for x in row):
         return 0.0
     g = np.array(_floats(row))
-    # max of |g z| where zᵀPz ≤ level, √(level gᵀP⁻¹g), in floats; a little more is then checked,
-    # and the first that holds is taken.
+    # max |g z| on zᵀPz ≤ level is √(level gᵀP⁻¹g), here in floats; slightly larger bounds are then
+    # checked exactly, and the first that holds is returned.
     half = math.sqrt(float(level) * max(float(g @ inverse @ g), 0.0))
     for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0) if math.isfinite(half) else ():
         if is_inside(p, row, exact(half * wider), level):
@@ -389,7 +391,7 @@ def _farthest(p: Rows, inverse: NDArray[np.float64], row: Sequence[Number], leve
 def port_within(
     problem: LoopProblem, loop: CheckedLoop, p: Rows, level: Number, port: str
 ) -> tuple[Number, Number]:
-    """Return where an output or a drive can be, from a sample with V at most a level to the next.
+    """Return the range of an output or drive, from a sample with V ≤ level to the next.
 
     LoopProofError if it has no bound there.
     """
@@ -408,7 +410,7 @@ def port_within(
 def claimed_within(
     problem: LoopProblem, loop: CheckedLoop, p: Rows, level: Number, claim: LoopClaim
 ) -> tuple[Number, Number]:
-    """Return where the output, its error or the drive of a claim can be, as `port_within`."""
+    """Return the range of the claimed output, error or drive, as `port_within`."""
     low, high = port_within(problem, loop, p, level, claim.output)
     if not claim.error:
         return low, high
@@ -419,7 +421,7 @@ def claimed_within(
 def _drive_within(
     loop: CheckedLoop, p: Rows, level: Number, address: Address
 ) -> tuple[Number, Number]:
-    """Return where a drive can be: it is held between samples, so those are all of its values."""
+    """Return the range of a drive: held between samples, so its samples are all of its values."""
     inverse = np.linalg.inv(np.array([_floats(row) for row in p]))
     half = max(_farthest(p, inverse, row, level) for row in loop.rows_of_drive(address))
     if math.isinf(half):
@@ -438,7 +440,7 @@ def _drive_within(
 def accepted(
     problem: LoopProblem, region: RegionProof, surfaces: RuleSurfaces | None = None
 ) -> CheckedLoop:
-    """Return the loop around its rest, where a region is proved; LoopProofError: why it is not."""
+    """Return the loop around its rest for a proved region; LoopProofError for any other."""
     try:
         loop = checked_loop(
             problem, region.states, region.evidence,
@@ -457,7 +459,7 @@ def region_refutation(
     problem: LoopProblem, loop: CheckedLoop, region: RegionProof,
     surfaces: RuleSurfaces | None = None,
 ) -> str:  # fmt: skip
-    """Return why a region is not proved, of a loop that is derived; empty: it is."""
+    """Return why a region of a derived loop is not proved; empty if it is."""
     if not region.cones:
         if region.growth != 1:
             return "it grows without cones"
@@ -489,7 +491,7 @@ def verified(
     problem: LoopProblem, claim: LoopClaim, region: RegionProof,
     surfaces: RuleSurfaces | None = None,
 ) -> tuple[str, dict[str, Any], CheckedLoop | None]:  # fmt: skip
-    """Return why a region does not prove a claim (empty: it does), a verdict's facts, the loop."""
+    """Return why a region does not prove a claim (empty: it does), facts of the verdict, loop."""
     try:
         loop = accepted(problem, region, surfaces)
         level = _level_of_starts(problem, loop, region.p) if claim.start or claim.output else ZERO
@@ -498,13 +500,13 @@ def verified(
     facts = region_facts(problem, loop, region)
     against = ""
     if claim.output:
-        # Without its own starts a claim is of all starts in the region, as the verdict says.
+        # A claim without starts covers all starts in the region, as the verdict says.
         against = outside(problem, loop, claim, region, level if claim.start else ONE)
     return against, facts, loop
 
 
 def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number:
-    """Return V at the starts at most; LoopProofError where a region does not hold all of them."""
+    """Return the largest V at the starts; LoopProofError if the region misses some."""
     level = arb(0)
     for vertex in start_vertices(problem, loop):
         check_time()
@@ -515,9 +517,9 @@ def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number
 
 
 def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
-    """Return the contents of a region as facts of a verdict."""
+    """Return the facts of a region for a verdict."""
     starts, rests = where_states_are(problem, loop, region, ONE), rests_of(loop)
-    for name in set(starts) - set(rests):  # of all points of its ball
+    for name in set(starts) - set(rests):  # for all points of its ball
         low, high = starts[name]
         width = float_above(loop.rest[name]) - float_below(loop.rest[name])
         starts[name] = low + width, high - width
@@ -535,7 +537,7 @@ def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -
 def where_states_are(
     problem: LoopProblem, loop: CheckedLoop, region: RegionProof, level: Number
 ) -> dict[str, tuple[float, float]]:
-    """Return where states can be if zᵀPz is at most a level; from 1 on it never is above γ."""
+    """Return bounds of the states for zᵀPz ≤ level; γ covers all runs from zᵀPz ≤ 1."""
     reach = {}
     for name, half in reach_of(loop, level, region.p).items():
         rest = loop.rest[name]
@@ -545,13 +547,13 @@ def where_states_are(
 
 
 def rests_of(loop: CheckedLoop) -> dict[str, tuple[float, float]]:
-    """Return between what states rest, of those that rest elsewhere with other parameters."""
+    """Return bounds of the rest, for states whose rest depends on parameters."""
     ends = {n: (float_below(x), float_above(x)) for n, x in loop.rest.items()}
     return {n: (a, b) for n, (a, b) in ends.items() if b - a > ROUNDED * max(abs(a), abs(b), 1.0)}
 
 
 def _limits(problem: LoopProblem, memory: str) -> tuple[float, float]:
-    """Return the limits of an actuator that memory, behind them, keeps a value of."""
+    """Return the limits of the actuator in front of a memory."""
     kind, _, cell = memory.partition(":")
     for address, port in problem.site.interface.inputs.items():
         if kind in ("pending", "driven") and ".".join(address) == cell.partition(":")[0]:
@@ -566,7 +568,8 @@ def outside(
 ) -> str:  # fmt: skip
     """Return why an output may leave the claimed interval in the claimed time; empty: it cannot.
 
-    V is at most a level after a number of periods.
+    V is at most `level` after `begun` periods.
+
     """
     if region.continuous:
         return "a claim about an output is proved of the sampled loop"

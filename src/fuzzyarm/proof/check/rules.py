@@ -1,19 +1,19 @@
-"""A rule base over a region, on its exact pieces: a sector, slopes, a range, bounds.
+"""A rule base over a region, on its exact pieces: sectors, slopes, ranges, bounds.
 
-Where memberships are straight lines, the inputs fall into simplices on which an output is N/D, two
+For piecewise linear memberships the inputs fall into simplices on which an output is N/D, two
 polynomials. Cells between the corners of terms are cut along Kuhn's diagonals, and again wherever
 two heights change their order, or a height passes a level at which the aggregate changes form.
 Clipped sets under ``max`` are counted by inclusion and exclusion: ∫ max min(hₖ, μₖ) is the sum over
 groups T of sets, with the sign of their number, of the set min(μₖ: k ∈ T) clipped at
 min(hₖ: k ∈ T). In barycentric coordinates a homogeneous polynomial without a negative coefficient
-is nowhere negative on its simplex; where that does not show a claim the simplex is halved.
+is nowhere negative on its simplex; if that does not show a claim the simplex is halved.
 
     sector    k₁ σ² ≤ u σ ≤ k₂ σ²:   ± (N − k σ D) ≥ 0 on the side of σ = 0 where σ is ± positive
     slope     k₁ ≤ ∂u/∂x ≤ k₂:       (∂N D − N ∂D) − k₁ D² ≥ 0, k₂ D² − … ≥ 0
     range     k₁ ≤ u ≤ k₂:           N − k₁ D ≥ 0, k₂ D − N ≥ 0
 
-Nothing here is of the code that finds such claims. Source of the triangulation: H. W. Kuhn, *Some
-combinatorial lemmas in topology*, 1960.
+No code here is shared with the search for such claims. Source of the triangulation: H. W. Kuhn,
+*Some combinatorial lemmas in topology*, 1960.
 """
 
 from __future__ import annotations
@@ -74,10 +74,10 @@ from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
 
 MOST_PIECES = 200_000
-"""Simplices of one region."""
+"""Most simplices of one region."""
 
 BEYOND = 4
-"""Widths of a range by which an input that is used unclipped may be outside it."""
+"""Distance from the range, in its widths, of an input that is not clamped."""
 
 Region = Mapping[str, tuple[Number, Number]]
 
@@ -95,7 +95,7 @@ class RuleSurface:
     Raises
     ------
     LoopProofError
-        If it is not made of straight pieces.
+        If it is not piecewise linear.
     """
 
     def __init__(self, rulebase: RuleBase, output: str) -> None:
@@ -143,7 +143,7 @@ class RuleSurface:
     def _collect(
         self, conclusions: Sequence[Any], shapes: Mapping[str, Shape], *, scaled: bool
     ) -> list[Shape]:
-        """Fill in the rules; return the terms that they conclude, a column each."""
+        """Fill in the rules; return the concluded terms, a column each."""
         record = self.output.defuzzifier.record
         keys: dict[object, int] = {}
         terms: list[Shape] = []
@@ -156,7 +156,7 @@ class RuleSurface:
             if not self.of_sets and not record.weighs:  # singletons at one position are one set
                 key = shape.parameters if shape.kind == "singleton" else key
             if self.of_sets and self.adds and not scaled:
-                key = number  # clipped sets that add are not linear in the sum of strengths
+                key = number  # a sum of clipped sets is not linear in the sum of strengths
             if not rule.weight:
                 continue
             if key not in keys:
@@ -170,7 +170,7 @@ class RuleSurface:
         return terms
 
     def _note(self, node: Any) -> None:
-        """Note the lines of the terms in an antecedent."""
+        """Record the lines of the terms in an antecedent."""
         if isinstance(node, Is):
             variable = self.rulebase.variable(node.variable)
             if not isinstance(variable, Input):
@@ -182,7 +182,7 @@ class RuleSurface:
                 self._note(part)
 
     def _conclude(self, terms: Sequence[Shape], *, scaled: bool) -> None:
-        """Fill in what columns conclude: affine numbers with areas, or groups of sets."""
+        """Fill in the columns' consequents: affine numbers with areas, or groups of sets."""
         self.values: list[tuple[fmpq, Vector]] = []
         self.areas, self.groups = [ONE] * len(terms), list[tuple[tuple[int, ...], ClippedSet]]()
         none = (ZERO,) * len(self.names)
@@ -195,7 +195,7 @@ class RuleSurface:
                 self.values.append((exact(shape.parameters[0]), none))
                 continue
             whole = self._set_of(shape)
-            if not self.of_sets:  # represented by the middle of the highest stretch
+            if not self.of_sets:  # a term counts as the middle of its core
                 top = max(y for _, y0, _, y1 in whole.segments for y in (y0, y1))
                 at = [x for x0, y0, x1, y1 in whole.segments for x, y in ((x0, y0), (x1, y1))
                       if y == top]  # fmt: skip
@@ -222,11 +222,11 @@ class RuleSurface:
         ])  # fmt: skip
 
     def _stairs(self, corners: Corners, low: fmpq, high: fmpq) -> list[Segment]:
-        """Return steps as wide as each sample counts, around it: their sums are the samples'."""
+        """Return a step around each sample, as wide as its weight: integrals equal sums."""
         way = self.output.defuzzifier
         count, sampling = way.resolution, way.sampling
         assert count is not None
-        # Beside a vertical edge the last bit of a position decides, so heights are those there.
+        # Beside a vertical edge the last bit of a position decides, so heights are taken there.
         rounded = sample_positions(self.output.low, self.output.high, way)
         stretches = count if sampling in ("midpoints", "left") else count - 1
         step = (high - low) / stretches
@@ -239,7 +239,7 @@ class RuleSurface:
         return segments
 
     def _unite(self, count: int) -> None:
-        """Add the groups of sets that overlap."""
+        """Add the groups of overlapping sets (inclusion and exclusion)."""
         last = [(members, whole) for members, whole in self.groups if not whole.is_empty]
         while last:
             wider = []
@@ -256,7 +256,7 @@ class RuleSurface:
     # --- cutting ---
 
     def _stretches(self, name: str, low: fmpq, high: fmpq) -> tuple[list[fmpq], list[bool]]:
-        """Return the corners of an input in an interval, and where a term jumps."""
+        """Return the corners of an input in an interval, and flags of those with a jump."""
         lines = [corners for (owner, _), corners in self.lines.items() if owner == name]
         inner = {x for corners in lines for x, _ in corners if low < x < high}
         cuts = [low, *sorted(inner), high] if low < high else [low]
@@ -383,7 +383,7 @@ class RuleSurface:
     def _truth(
         self, node: Any, norms: tuple[str, str], corners: tuple[Vector, ...], lines: Any
     ) -> Any:
-        """Return the truth of an antecedent: its values at the corners, or a polynomial."""
+        """Return the truth of an antecedent: values at the corners, or a polynomial."""
         if isinstance(node, Is):
             axis, first, slope, low = lines[node.variable, node.term]
             value: Any = tuple(first + slope * (corner[axis] - low) for corner in corners)
@@ -418,7 +418,7 @@ class RuleSurface:
         return self._chosen(total, limit, larger=conjunction)
 
     def _chosen(self, a: Any, b: Any, *, larger: bool) -> Any:
-        """Return the larger or the smaller of two heights; undecided where they cross."""
+        """Return the larger or smaller of two heights; UndecidedError if they cross."""
         if not isinstance(a, tuple) or not isinstance(b, tuple):
             raise self._refuse("products of memberships beside other norms")
         gap = tuple(x - y for x, y in zip(a, b, strict=True))
@@ -452,13 +452,13 @@ class RuleSurface:
         return self._claimed[box]
 
     def has_range(self, region: Region, low: fmpq, high: fmpq) -> bool:
-        """Tell whether the output is proved to lie between two numbers over a region."""
+        """Return whether the output is proved to lie between two numbers over a region."""
         return all(is_within(piece, low, high) for piece in self._cut(region)[0])
 
     def has_sector(
         self, region: Region, weights: Mapping[str, fmpq], low: fmpq, high: fmpq
     ) -> bool:
-        """Tell whether the output is proved to be σ = Σ wᵢ xᵢ times a gain between two numbers."""
+        """Return whether the output is proved to be σ = Σ wᵢ xᵢ times a bounded gain."""
         row = tuple(weights.get(name, ZERO) for name in self.names)
         for piece in self._cut(region)[0]:
             for side in sides_of(piece, row):
@@ -471,7 +471,7 @@ class RuleSurface:
         return True
 
     def has_slope(self, region: Region, name: str, low: fmpq, high: fmpq) -> bool:
-        """Tell whether the slope along an input is proved to lie between two numbers."""
+        """Return whether the slope along an input is proved to lie between two numbers."""
         pieces, jumps = self._cut(region)
         if jumps:
             raise LoopProofError(f"a term of '{self.name}' has a vertical edge: jumps")
@@ -493,14 +493,14 @@ class RuleSurface:
         return True
 
     def value(self, region: Region) -> Number:
-        """Return where the output is over a region, from the coefficients."""
+        """Return bounds of the output over a region, from the coefficients."""
         return hull(*(ratio(piece.upper, piece.lower) for piece in self._cut(region)[0]))
 
     # --- bounds for tubes ---
 
     @cached_property
     def grid(self) -> list[tuple[list[fmpq], list[bool], list[float]]]:
-        """Of each input: corners of terms as far as it is looked at, where a term jumps, floats."""
+        """For each input: corners of terms in its range, flags of jumps, the corners as floats."""
         axes = []
         for variable in self.rulebase.inputs:
             if math.isinf(variable.high - variable.low):
@@ -514,7 +514,7 @@ class RuleSurface:
     def over(
         self, inputs: Mapping[str, Number], moving: Sequence[str]
     ) -> tuple[Number, dict[str, Number]]:
-        """Return where the output is over a box of inputs, and its slopes along some of them."""
+        """Return bounds of the output over a box of inputs, and of slopes along some of them."""
         box = [inputs[name] for name in self.names]
         axes = [self.names.index(name) for name in moving]
         found = [piece.bounds(axes, shares, box) for piece, shares in self._touched(inputs)]
@@ -527,7 +527,7 @@ class RuleSurface:
     def _touched(
         self, inputs: Mapping[str, Number]
     ) -> Iterator[tuple[BoundedPiece, list[tuple[Number, Number]]]]:
-        """Yield the pieces that a box of inputs touches, each with its shares there."""
+        """Yield the pieces that meet a box of inputs, each with its shares there."""
         indices = []
         for name, (cuts, jumps, near) in zip(self.names, self.grid, strict=True):
             low = math.nextafter(float_below(inputs[name]), -math.inf)
@@ -554,7 +554,7 @@ class RuleSurface:
             raise SpanError(f"'{self.name}' is asked outside its range")
 
     def pieces_of(self, cell: tuple[int, ...]) -> list[BoundedPiece]:
-        """Return the pieces of a cell between corners of terms, by its number along each axis."""
+        """Return the pieces of a cell between corners of terms, by its index along each axis."""
         if cell not in self._cells:
             ends = [(cuts[k], cuts[k + 1]) for k, (cuts, _, _) in zip(cell, self.grid, strict=True)]
             self._cells[cell] = [BoundedPiece(piece) for piece in self._cut_cell(ends)]
@@ -569,7 +569,7 @@ def _polynomial(height: Any) -> Polynomial:
 
 
 def _homogeneous(weights: Sequence[fmpq], h: Polynomial, size: int) -> Polynomial:
-    """Return Σ wₖ hᵏ, all terms of one degree."""
+    """Return Σ wₖ hᵏ as a homogeneous polynomial."""
     total = weights[-1]
     for power, weight in enumerate(reversed(weights[:-1]), 1):
         total = total * h + power_of_unit(size, power) * weight
@@ -591,13 +591,13 @@ def _is_nothing(height: Any) -> bool:
 
 
 class RuleSurfaces:
-    """The surfaces of the rule bases of a loop, each read once."""
+    """The surfaces of a loop's rule bases, each read once."""
 
     def __init__(self) -> None:
         self._surfaces: dict[tuple[int, str], RuleSurface] = {}
 
     def __call__(self, sheet: RuleBase, output: str) -> RuleSurface:
-        """Return that of an output."""
+        """Return the surface of an output."""
         key = id(sheet), output
         if key not in self._surfaces:
             self._surfaces[key] = RuleSurface(sheet, output)

@@ -1,8 +1,8 @@
-"""Values with their slopes: how the checker differentiates.
+"""Values with their slopes: the automatic differentiation of the checker.
 
-A :class:`Slope` is where a value is, and where its derivatives along some variables are, while
-these are anywhere in their numbers. That of a corner (``max``, ``|x|``) is the hull of both sides,
-which the mean value theorem allows for what is continuous.
+A :class:`Slope` bounds a value and its derivatives along some variables, over all values of these.
+At a corner (``max``, ``|x|``) the derivative is the hull of both sides, which the mean value
+theorem allows for a continuous function.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ from fuzzyarm.table import LookupTable
 
 
 class Slope(NamedTuple):
-    """Where a value is, and where its derivatives are; variables without one have 0.
+    """Bounds of a value and of its derivatives; variables without one have 0.
 
-    `ends` are what a limit does not let it leave: those of a ball are a little further out.
+    `ends` are exact bounds set by a limit: those of a ball are slightly wider.
     """
 
     value: Number
@@ -48,11 +48,11 @@ class Slope(NamedTuple):
     ends: tuple[float, float] = (-math.inf, math.inf)
 
     def scaled(self, value: Number, factor: Number) -> Slope:
-        """Return another value, of which this one's derivatives count by a factor."""
+        """Return another value with the derivatives times a factor (chain rule)."""
         return Slope(value, {name: slope * factor for name, slope in self.along.items()})
 
     def joined(self, other: Slope, value: Number) -> Slope:
-        """Return a value with the sums of the derivatives of both."""
+        """Return a value with the sum of both derivatives."""
         along = dict(self.along)
         for name, slope in other.along.items():
             along[name] = along[name] + slope if name in along else slope
@@ -68,7 +68,7 @@ def _inverse(a: Slope) -> Slope:
     if isinstance(a.value, Spans):  # NaN where one contains 0
         value: Number = ONE / a.value
     elif a.value > 0 or a.value < 0:
-        # Between its values at the ends: one ball around all would be wider.
+        # Bounded by its values at the ends: one ball around all would be wider.
         value = hull(ONE / least(a.value), ONE / greatest(a.value))
     else:
         raise SpanError("a division by an interval that contains 0")
@@ -90,7 +90,7 @@ def _function(name: str, a: Slope) -> Slope:
 
 @lru_cache(maxsize=64)
 def _derivative(name: str) -> Node:
-    """Return the derivative of a function of ``x``, from the record of the operation."""
+    """Return the derivative of a function of ``x``, from the operation's record."""
     partials = OPERATIONS[name].partials
     assert partials is not None
     (root,) = partials(symbol("x"))
@@ -98,7 +98,7 @@ def _derivative(name: str) -> Node:
 
 
 def _powered(a: Slope, exponent: fmpq) -> Slope:
-    """Return a power: of products where it is whole, else of the exponential."""
+    """Return a power: products for a whole exponent, else by the exponential."""
     if exponent.q == 1 and 0 < exponent <= 16:
         result = a
         for _ in range(int(exponent.p) - 1):
@@ -115,7 +115,7 @@ def _powered(a: Slope, exponent: fmpq) -> Slope:
 
 
 def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
-    """Return the smaller or the larger of two."""
+    """Return the smaller or larger of two."""
     first, second = (a, b) if smaller else (b, a)
     many = isinstance(a.value, Spans) or isinstance(b.value, Spans)
     if not many and first.value <= second.value:
@@ -126,10 +126,10 @@ def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
     if isinstance(other, Spans):
         one, other = other, one
     value = one.min(other) if smaller else one.max(other)
-    # Either may be the one: its slopes are among the hull of both.
+    # Either may be the extreme: its slopes are in the hull of both.
     names = {*a.along, *b.along}
     slopes = {n: hull(a.along.get(n, ZERO), b.along.get(n, ZERO)) for n in names}
-    if isinstance(value, Spans):  # of some sets it is known
+    if isinstance(value, Spans):  # known for some sets
         low, high = Spans.of(first.value), Spans.of(second.value)
         for one, sure in ((a, low.high <= high.low), (b, high.high <= low.low)):
             slopes = {
@@ -171,7 +171,7 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
 
 
 def applied(operation: str, arguments: Sequence[Slope]) -> Any:
-    """Return an operation of values with slopes; of a comparison a bool."""
+    """Apply an operation to values with slopes; a comparison gives a bool."""
     if any(isinstance(x, bool) for x in arguments):
         raise SpanError("a condition taken for a number")
     if operation in FUNCTIONS:
@@ -201,7 +201,7 @@ def slopes_of(roots: Sequence[Node], values: Mapping[str, Slope]) -> list[Slope]
             arguments = [results[argument] for argument in node.arguments]
             if node.operation == "where":
                 results[node] = arguments[1] if arguments[0] else arguments[2]
-            # x · x of one x: two independent factors would lose its sign.
+            # x · x with one x: two independent factors would lose its sign.
             elif node.operation == "multiply" and node.arguments[0] is node.arguments[1]:
                 a = arguments[0]
                 results[node] = a.scaled(square(a.value), a.value * 2)
@@ -223,7 +223,7 @@ class SlopeNumbers:
         return Slope(exact(value), {})
 
     def apply(self, operation: str, arguments: list[Slope]) -> Any:
-        """Return an operation."""
+        """Apply an operation."""
         return applied(operation, arguments)
 
     def limit(self, x: Slope, low: float, high: float) -> Slope:
@@ -235,11 +235,11 @@ class SlopeNumbers:
         return x._replace(ends=ends)
 
     def excess(self, value: Slope, x: Slope, low: float, high: float) -> Slope:
-        """Return how far a limit has moved x."""
+        """Return the change of x by a limit."""
         return value.joined(x.scaled(x.value, -ONE), value.value - x.value)
 
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Slope]) -> Slope:
-        """Return the conclusion of a rule base."""
+        """Return a conclusion of a rule base."""
         surface = self.surfaces(sheet, output)
         inputs = {v.name: self._brought(inputs[v.name], v) for v in sheet.inputs}
         moving = [name for name, x in inputs.items() if x.along]
@@ -253,7 +253,7 @@ class SlopeNumbers:
         return result
 
     def _brought(self, x: Slope, variable: Variable) -> Slope:
-        """Return an input as a rule base takes it."""
+        """Return an input brought into its universe."""
         if variable.outside == "clamp":
             return self.limit(x, variable.low, variable.high)
         if variable.outside == "error" and not (

@@ -1,9 +1,9 @@
-"""Many intervals at once: arrays of floats, rounded outward, that answer as balls do.
+"""Many intervals at once: arrays of floats, rounded outward, with the methods of a ball.
 
-So the slopes of a plant (:mod:`.slopes`) and its motion over a period (:mod:`.motion`) are those of
-one box or of thousands. A result of IEEE 754 is off by less than the distance to its neighbour,
-which is where an end goes. Functions are those of Arb, end by end. A comparison holds where it does
-for certain of all of them.
+So the slopes of a plant (:mod:`.slopes`) and its motion over a period (:mod:`.motion`) serve one
+box or thousands. A result of IEEE 754 is off by less than the distance to the next float, to which
+an end is rounded. Functions are Arb's, end by end. A comparison holds if it certainly holds for all
+intervals.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
-# Ends go out by no less than to the next float, in 40 % of the time of `nextafter`; an end that has
-# overflowed inwards becomes NaN.
+# Ends move outward by at least one float, in 40 % of the time of `nextafter`; an end that has
+# overflowed inward becomes NaN.
 
 
 def _below(x: Any) -> Vector:
@@ -37,13 +37,13 @@ def _above(x: Any) -> Vector:
 
 @lru_cache(maxsize=4096)
 def exact(value: float | Rational) -> fmpq:
-    """Return a float or a rational, which it is exactly."""
+    """Return a float or a rational as an exact rational."""
     number = Fraction(value)
     return fmpq(number.numerator, number.denominator)
 
 
 def _ends(x: Any) -> tuple[float, float]:
-    """Return floats on both sides of a ball or a rational; both the same where it is a float."""
+    """Return floats on both sides of a ball or a rational; the same float twice if it is one."""
     if not isinstance(x, arb):
         return _float_of(fmpq(x), -math.inf), _float_of(fmpq(x), math.inf)
     if not x.is_finite():
@@ -57,7 +57,7 @@ def _of_rational(x: fmpq) -> Spans:
 
 
 def _float_of(x: Any, way: float) -> float:
-    """Return the float that a number is, or its neighbour on one side."""
+    """Return the float equal to a number, or its neighbour on one side."""
     near = float(x)
     if not math.isfinite(near):
         return way
@@ -82,7 +82,7 @@ class Spans:
 
     @classmethod
     def of(cls, x: Any) -> Spans:
-        """Return a number of any kind."""
+        """Return a number of any kind as intervals."""
         if isinstance(x, Spans):
             return x
         if isinstance(x, float) or (isinstance(x, int) and abs(x) < 2**53):
@@ -123,7 +123,7 @@ class Spans:
     def __truediv__(self, other: Any) -> Spans:
         other = Spans.of(other)
         around = (other.low <= 0.0) & (other.high >= 0.0)
-        if np.any(around):  # nothing is known of those
+        if np.any(around):  # unbounded
             other = Spans(*(np.where(around, np.nan, end) for end in (other.low, other.high)))
         return self._by_ends(operator.truediv, other)
 
@@ -132,7 +132,7 @@ class Spans:
         return found
 
     def _by_ends(self, how: Callable[[Any, Any], Any], other: Spans) -> Spans:
-        """Return the range of a function monotone in both arguments: its extremes are at ends."""
+        """Return the range of a function monotone in each argument: its extremes are at ends."""
         a, b, c, d = (how(x, y) for x in (self.low, self.high) for y in (other.low, other.high))
         low = np.minimum(np.minimum(a, b), np.minimum(c, d))
         return Spans(_below(low), _above(np.maximum(np.maximum(a, b), np.maximum(c, d))))
@@ -169,12 +169,12 @@ class Spans:
         return Spans(self.high, self.high)
 
     def mid(self) -> Spans:
-        """Return a number in each."""
+        """Return a number inside each."""
         middle = np.clip(0.5 * self.low + 0.5 * self.high, self.low, self.high)
         return Spans(middle, middle)
 
     def rad(self) -> Spans:
-        """Return how far the ends are from :meth:`mid` at most."""
+        """Return the largest distance of the ends from :meth:`mid`."""
         middle = self.mid().low
         far = _above(np.maximum(self.high - middle, middle - self.low))
         far = np.where(self.low == self.high, 0.0, far)
@@ -192,15 +192,15 @@ class Spans:
         return Spans(near, near)
 
     def side(self) -> Spans:
-        """Return on which side of 0 they are: the slopes of their magnitudes."""
+        """Return their signs, -1 .. 1 if they contain 0: the slopes of their magnitudes."""
         return Spans(np.where(self.low > 0.0, 1.0, -1.0), np.where(self.high <= 0.0, -1.0, 1.0))
 
     def is_exact(self) -> bool:
-        """Tell whether all are points."""
+        """Return whether all are points."""
         return bool(np.all(self.low == self.high))
 
     def is_finite(self) -> bool:
-        """Tell whether all have ends."""
+        """Return whether all are bounded."""
         return bool(np.all(np.isfinite(self.low) & np.isfinite(self.high)))
 
     def union(self, other: Any) -> Spans:
@@ -219,7 +219,7 @@ class Spans:
         return Spans(np.maximum(self.low, other.low), np.maximum(self.high, other.high))
 
     def chosen(self, which: Any, other: Any) -> Spans:
-        """Return those of some sets, and another number for the others."""
+        """Return these for some sets, and another number for the others."""
         other = Spans.of(other)
         return Spans(np.where(which, self.low, other.low), np.where(which, self.high, other.high))
 
@@ -229,9 +229,9 @@ class Spans:
         return lambda: self._function(name)
 
     def _function(self, name: str) -> Spans:
-        """Return a function: roots as IEEE 754 rounds them, small waves by a polynomial.
+        """Return a function: roots by IEEE 754, sine and cosine of small arguments by Taylor.
 
-        Others are Arb's, interval by interval; where one has no value it is NaN.
+        Others are Arb's, interval by interval; NaN without a value.
         """
         if name == "sqrt":
             low, high = np.sqrt(self.low), np.sqrt(self.high)
@@ -249,7 +249,7 @@ class Spans:
         return self._by_arb(name)
 
     def _by_arb(self, name: str) -> Spans:
-        """Return a function, of each interval once."""
+        """Return a function by Arb, once for each distinct interval."""
         pairs, where = np.unique(
             np.stack([self.low.ravel(), self.high.ravel()], axis=1), axis=0, return_inverse=True
         )
@@ -262,10 +262,10 @@ class Spans:
         return Spans(ends[..., 0], ends[..., 1])
 
     def _wave(self, name: str) -> Spans:
-        """Return sine or cosine: between the values at the ends, but for a top or a bottom."""
+        """Return sine or cosine: between the values at the ends, or to a maximum or minimum."""
         first, last = (_taylor(name, end) for end in (self.low, self.high))
         low, high = np.minimum(first, last) - OFF, np.maximum(first, last) + OFF
-        for place, value in WAVES[name]:  # that are rounded by less than 1e-15
+        for place, value in WAVES[name]:  # rounded by less than 1e-15
             there = (self.low <= place + 1e-15) & (self.high >= place - 1e-15)
             low = np.where(there & (value < 0), -1.0, low)
             high = np.where(there & (value > 0), 1.0, high)
@@ -275,10 +275,10 @@ class Spans:
 FUNCTIONS = frozenset({
     "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh", "tanh", "sin", "cos", "tan",
 })  # fmt: skip
-"""Of one argument, named as Arb names them."""
+"""Functions of one argument, by Arb's name."""
 
 WIDE = 4.0
-"""Magnitude up to which waves are polynomials."""
+"""Largest argument of the Taylor polynomials of sine and cosine."""
 
 TERMS = 14
 
@@ -286,15 +286,15 @@ WAVES = {
     "sin": ((-0.5 * math.pi, -1), (0.5 * math.pi, 1)),
     "cos": ((-math.pi, -1), (0.0, 1), (math.pi, -1)),
 }
-"""Places of their extremes up to there, and of which sign these are."""
+"""Positions of the extremes up to there, with their signs."""
 
 OFF = 2.0**-41
-"""By how much a polynomial is off at most: the magnitudes of terms add up to cosh 4 < 28, each
-goes through fewer than 60 roundings of 2⁻⁵³, and 4²⁸/28! < 2.4e-13 is left out."""
+"""Largest error of a polynomial: the magnitudes of terms add up to cosh 4 < 28, each has fewer than
+60 roundings of 2⁻⁵³, and the remainder is below 4²⁸/28! < 2.4e-13."""
 
 
 def _taylor(name: str, x: Vector) -> Vector:
-    """Return Taylor's polynomial of a wave, of 14 terms."""
+    """Return the Taylor polynomial of sine or cosine, with 14 terms."""
     square, first = x * x, int(name == "sin")
     total = np.zeros_like(x)
     for k in reversed(range(TERMS)):
@@ -303,12 +303,13 @@ def _taylor(name: str, x: Vector) -> Vector:
 
 
 class Matrices:
-    """A matrix of intervals for each set, by middles and radii, rows and columns last.
+    """A matrix of intervals for each set, by midpoints and radii.
 
     Parameters
     ----------
     near, far : ndarray, shape (..., rows, columns)
-        Of the entries.
+        Midpoints and radii.
+
     """
 
     def __init__(self, near: Vector, far: Vector) -> None:
@@ -316,7 +317,7 @@ class Matrices:
 
     @classmethod
     def of(cls, rows: Sequence[Sequence[Any]]) -> Matrices:
-        """Return the matrices with some entries."""
+        """Return matrices with the given entries."""
         entries = [[Spans.of(x) for x in row] for row in rows]
         shape = np.broadcast_shapes(*(x.low.shape for row in entries for x in row))
         low, high = np.empty((2, *shape, len(rows), len(rows[0])))
@@ -334,7 +335,7 @@ class Matrices:
                 for i in range(low.shape[-2])]  # fmt: skip
 
     def _rounded(self, near: Vector, far: Vector, size: Vector, count: int) -> Matrices:
-        """Return a bound of so many roundings, over a sum of magnitudes."""
+        """Add the error of `count` roundings, relative to a sum of magnitudes."""
         off = count * 2.0**-52 * size + np.where(size > 0.0, 1e-300, 0.0)
         return Matrices(near, (far + off) * (1.0 + 2.0**-40))
 
@@ -349,6 +350,6 @@ class Matrices:
         return self._rounded(near, self.far + other.far, np.abs(near), 2)
 
     def divided(self, number: int) -> Matrices:
-        """Return a fraction."""
+        """Return the quotient by a number."""
         near = self.near / number
         return self._rounded(near, self.far / number, np.abs(near) + self.far, 3)

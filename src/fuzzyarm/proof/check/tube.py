@@ -1,11 +1,11 @@
-"""Boxes of starts that are followed, sample by sample, by sets that hold all of their runs.
+"""Reachable tubes of boxes of starts, sample by sample: sets that contain all runs.
 
-A set is a zonotope: affine forms of the plant's states and of what the controller remembers, over
-the same symbols (:mod:`.forms`); thousands are followed side by side. The controller's program is
-walked with such forms. Of an affine plant the motion over a period is its matrix exponential; of
-others it is a series of second order with a bounded remainder from the middle of the set, and
-slopes all over a box that no motion leaves (mean value theorem). Symbols that count least become
-the sides of a box when there are many.
+A set is a zonotope: affine forms of the plant's states and of the controller's memory, over the
+same symbols (:mod:`.forms`); thousands are followed side by side. The controller's program is
+walked with such forms. The motion of an affine plant over a period is its matrix exponential;
+that of others is a second-order series with a bounded remainder from the centre of the set, and
+slopes over an a-priori enclosure (mean value theorem). If symbols become many, the smallest are
+turned into the sides of a box.
 
 Sources: R. E. Moore, R. B. Kearfott and M. J. Cloud, *Introduction to Interval Analysis*, SIAM
 2009; A. Girard, "Reachability of uncertain linear systems using zonotopes", *Hybrid Systems:
@@ -55,10 +55,10 @@ from fuzzyarm.proof.stop import check_time
 from fuzzyarm.symbolic.nodes import symbols
 
 MOST_SYMBOLS = 14
-"""Symbols for each state above which a set is made simpler."""
+"""Most symbols per state before a set is reduced."""
 
 AT_ONCE = 4096
-"""Sets that are followed side by side."""
+"""Sets followed side by side."""
 
 Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
@@ -66,36 +66,36 @@ Box = Sequence[Pair]
 
 
 class Haven(NamedTuple):
-    """A proved region, as somewhere to arrive."""
+    """A proved region as destination."""
 
     loop: CheckedLoop
     proof: RegionProof
 
 
 class Task(NamedTuple):
-    """Demands on boxes."""
+    """Conditions on the runs from boxes."""
 
-    claim: LoopClaim | None = None  # demands on an output on the way
-    # Numbers of regions in which runs may arrive; none: they are followed to their last period
+    claim: LoopClaim | None = None  # bounds of an output on the way
+    # Numbers of the destination regions; none: runs are followed to their last period
     into: tuple[int, ...] = ()
-    # Lower and upper ends of boxes, shape (boxes, states), that are as good as arrived; those of a
-    # number that is below that of a set count for it. Only of a loop that remembers nothing.
+    # Lower and upper ends of boxes that count as arrival, shape (boxes, states); a set may use
+    # those before its own. Only for a loop without memory.
     boxes: tuple[Vector, Vector] | None = None
-    # Whether a number of periods and a bound of V are enough
+    # Whether a number of periods and a bound of V are enough for the claim
     arrived: Callable[[int, float], bool] | None = None
-    # Whether sets may be in the boxes after any period; else in their last one
+    # Whether arrival in the boxes may be after any period; else in the last one only
     any_period: bool = False
 
 
 class Followed(NamedTuple):
-    """Result of a box: the periods until it arrived, or why it has not."""
+    """Result of a box: the periods until arrival, or the reason of failure."""
 
     periods: int
     against: str = ""
 
 
 class _Group(NamedTuple):
-    """Sets on their way: which they are, where they are, after how many periods."""
+    """Sets on their way: their indices, their states and memory, the periods so far."""
 
     which: Index
     now: list[Form]
@@ -103,21 +103,21 @@ class _Group(NamedTuple):
 
 
 class Follower:
-    """A loop, followed set by set.
+    """The tubes of a loop.
 
     Parameters
     ----------
     problem : LoopProblem
         The loop.
     havens : sequence of Haven
-        Regions in which its runs may arrive.
+        Destination regions.
     surfaces : RuleSurfaces, optional
-        Of its rule bases, where they have been cut already.
+        Of its rule bases, to share cuts.
 
     Attributes
     ----------
     memory : list of str
-        Symbols of what is remembered.
+        Symbols of the memory.
     """
 
     @precisely
@@ -138,18 +138,18 @@ class Follower:
 
     @cached_property
     def _flow(self) -> tuple[Matrix, Matrix] | None:
-        """Of an affine plant: its matrix over a period, and Σ hᵏ⁺¹ Jᵏ/(k+1)!; else nothing."""
+        """For an affine plant: its matrix over a period, and Σ hᵏ⁺¹ Jᵏ/(k+1)!; else None."""
         equations = self.problem.equations
         rest = dict.fromkeys((*equations.states, *equations.inputs), ZERO)
         try:
             jacobian = jacobian_of(self.problem, self.parameters | rest)
-        except LoopProofError:  # it has no slopes there
+        except LoopProofError:  # no slopes there
             return None
         if not is_affine(self.problem, jacobian):
             return None
         count, h = len(equations.states), exact(self.problem.period)
         flow = flow_over(jacobian, h)
-        # The same of the rates as inputs that are held: x' = J x + r.
+        # The same with the rates as held inputs: x' = J x + r.
         units = [[*row[:count], *(fmpq(int(i == j)) for j in range(count))]
                  for i, row in enumerate(jacobian)]  # fmt: skip
         return flow, [row[count:] for row in flow_over(units, h)]
@@ -159,7 +159,7 @@ class Follower:
     def _controlled(
         self, states: Sequence[Form], memory: Sequence[Form], period: int = 0
     ) -> tuple[list[Form], list[Form]]:
-        """Return the inputs of the plant, and the memory afterwards."""
+        """Return the inputs of the plant, and the new memory."""
         interface = self.problem.site.interface
         outputs = self._outputs(states)
         self.numbers.lost = np.zeros(self.numbers.sets, dtype=bool)
@@ -177,7 +177,7 @@ class Follower:
         return drives, [after[name] for name in self.memory]
 
     def _bounded(self, states: Sequence[Form]) -> Flags:
-        """Tell which sets are within the bounds of all ports, and are sets at all."""
+        """Return which sets are finite and within the bounds of all ports."""
         ports = self.problem.site.interface.outputs.values()
         bounded = np.ones(self.numbers.sets, dtype=bool)
         for output, port in zip(self._outputs(states), ports, strict=True):
@@ -186,7 +186,7 @@ class Follower:
         return bounded
 
     def _outputs(self, states: Sequence[Form]) -> list[Form]:
-        """Return the outputs of the plant, by their slopes at a set of its states."""
+        """Return the outputs of the plant, by their slopes over a set of states."""
         equations = self.problem.equations
         by_name = dict(zip(equations.states, states, strict=True))
         outputs = []
@@ -206,7 +206,7 @@ class Follower:
         return outputs
 
     def _moved(self, matrix: Matrix, forms: Sequence[Form], ends: Sequence[Number]) -> list[Form]:
-        """Return ends and slopes times deviations."""
+        """Return ends plus slopes times deviations."""
         away = [Form(np.zeros_like(form.centre), form.weights, form.rest) for form in forms]
         return [
             combined(*zip(away, map(Spans.of, row), strict=True), (self.numbers.of(end), 1.0))
@@ -216,7 +216,7 @@ class Follower:
     def _period(
         self, now: Sequence[Form], period: int, port: str = ""
     ) -> tuple[list[Form], Spans | None]:
-        """Return sets after one more period, and where a port is within it."""
+        """Return sets one period later, and the range of a port within it."""
         problem, count = self.problem, len(self.problem.states)
         states = list(now[:count])
         drives, after = self._controlled(states, now[count:], period)
@@ -242,7 +242,7 @@ class Follower:
         return around_motion(self.problem, self._symbols(states, inputs))
 
     def _ahead(self, x: Sequence[Number], u: Sequence[Number]) -> list[Number]:
-        """Return where an affine plant is a period later, from one point."""
+        """Return the state of an affine plant one period later, from one point."""
         assert self._flow is not None
         values = {k: Slope(value, {}) for k, value in self._symbols(x, u).items()}
         rates = [[rate.value] for rate in slopes_of(self.problem.equations.rates, values)]
@@ -251,7 +251,7 @@ class Follower:
     def _within(
         self, states: Sequence[Form], drives: Sequence[Form], port: str, period: int
     ) -> Spans:
-        """Return where an output, its error or a drive is from this sample to the next."""
+        """Return the range of an output, its error or a drive between this sample and the next."""
         equations, interface = self.problem.equations, self.problem.site.interface
         for address, drive in zip(interface.inputs, drives, strict=True):
             if interface.label(address) == port:
@@ -272,9 +272,9 @@ class Follower:
     def follow(
         self, boxes: Sequence[Box], periods: Sequence[int], task: Task, numbers: Index | None = None
     ) -> list[Followed]:
-        """Follow boxes of starts until all of their runs have arrived, each for so many periods.
+        """Follow boxes of starts until all runs have arrived, each for at most its `periods`.
 
-        Memory is as it begins. `numbers`: of each box, how many boxes of the task are before it;
+        Memory has its initial values. `numbers`: how many boxes of the task come before each box;
         all by default.
         """
         found = [Followed(0, "it was not followed")] * len(boxes)
@@ -295,7 +295,7 @@ class Follower:
                         of = f"'{self.walk.at}': " * bool(self.walk.at)
                         why = self.numbers.why if self.numbers.lost.any() else f"{of}{error}"
                         found[int(group.which[0])] = Followed(group.period, why)
-                    else:  # one of them is at fault, or they take different branches
+                    else:  # one of them fails, or they take different branches
                         waiting += _halves(group)
                     continue
                 if later is not None:
@@ -306,7 +306,7 @@ class Follower:
         self, group: _Group, last: Index, task: Task, numbers: Index | None,
         found: list[Followed],
     ) -> _Group | None:  # fmt: skip
-        """Return the boxes of a group still on their way a period later; others are concluded."""
+        """Return the sets of a group still on their way one period later; conclude the others."""
         which, now, k = group
         claim, port, counts = task.claim, "", False
         if claim is not None and claim.output:
@@ -343,7 +343,7 @@ class Follower:
     def _further(
         self, which: Index, now: Sequence[Form], k: int, port: str, found: list[Followed]
     ) -> tuple[Index, list[Form], Spans | None]:
-        """Return sets a period later and where a port was, without those that have no bound."""
+        """Return bounded sets one period later with the range of a port; conclude the others."""
         after, span = self._period(now, k, port)
         lost = np.broadcast_to(self.numbers.lost, which.shape) | ~_finite(after)
         for i in which[lost]:
@@ -352,7 +352,7 @@ class Follower:
         return which, now, None if span is None else span[~lost]
 
     def _arrived(self, group: _Group, last: Index, task: Task, numbers: Index | None) -> Flags:
-        """Tell which sets have arrived: in a region, or in boxes before them."""
+        """Return which sets have arrived: in a region, or in earlier boxes."""
         which, now, k = group
         arrived = np.zeros(len(which), dtype=bool)
         rests = self.problem.rests_from
@@ -361,19 +361,19 @@ class Follower:
             level = self._level(number, now)
             inside = level <= 1.0
             if task.arrived is not None and inside.any():
-                # If a lower level does not show it, a higher one does not.
+                # `arrived` falls with the level: seek the largest level that is enough.
                 levels = np.unique(level[inside])[::-1]
                 enough = next((x for x in levels if task.arrived(k, float(x))), -1.0)
                 inside &= level <= enough
             arrived |= inside
-        # A run that is in a box is as one that begins there only if nothing is remembered.
+        # Only without memory is a run inside a box one that begins there.
         remembers = self.memory or self.problem.text.model.every > 1 or self.problem.moved
         if task.boxes is not None and k and not remembers:
             spans = [form.span for form in now]
             low, high = (np.stack(ends, axis=1) for ends in (
                 [x.low for x in spans], [x.high for x in spans]))  # fmt: skip
             due = ~arrived & ((last[which] == k) | task.any_period)
-            for i in np.flatnonzero(due):  # its corners are in some box, before more is asked
+            for i in np.flatnonzero(due):  # cheap test first: are its corners in some box?
                 due[i] = all(_is_in(corner, *task.boxes) for corner in (low[i], high[i]))
             for i in np.flatnonzero(due & np.isfinite(low + high).all(axis=1)):
                 count = None if numbers is None else int(numbers[which[i]])
@@ -397,12 +397,12 @@ class Follower:
     # --- regions ---
 
     def _goal(self, haven: Haven) -> tuple[list[int], list[int], Any, float]:
-        """Return the coordinates of z, of memory that has to stay, F and s: P < (1 + s) FᵀF."""
+        """Return the coordinates of z, of memory that must not move, F and s: P < (1 + s) FᵀF."""
         places = {name: k for k, name in enumerate((*self.problem.states, *self.memory))}
         memory = haven.proof.evidence.memory
         order = [places[memory.get(name, name)] for name in haven.proof.states]
         plain = np.array([[float(x) for x in row] for row in haven.proof.p])
-        scale = np.sqrt(np.diag(plain))  # states differ in unit by orders of magnitude
+        scale = np.sqrt(np.diag(plain))  # units of states differ by orders of magnitude
         factor = np.linalg.cholesky(plain / scale[:, None] / scale[None, :]).T * scale[None, :]
         rows = [[exact(float(x)) for x in row] for row in factor]
         size = range(len(rows))
@@ -415,13 +415,13 @@ class Follower:
         raise LoopProofError("the region is too flat for its factors as floats")
 
     def _level(self, number: int, now: Sequence[Form]) -> Vector:
-        """Return V at most in each set; infinite where it is not known."""
+        """Return an upper bound of V on each set; infinite if unknown."""
         (loop, proof), (order, still, factor, slack) = self.havens[number], self._goals[number]
         z = [
             combined((now[k], 1.0), (self.numbers.of(loop.rest[name]), -1.0))
             for k, name in zip(order, proof.states, strict=True)
         ]
-        # V ≤ (1 + s) |F z|², where what entries owe to the same symbols cancels.
+        # V ≤ (1 + s) |F z|²: contributions of the same symbol cancel inside F z.
         entries = [combined(*zip(z, row, strict=True)).size for row in factor]
         level = sum(x * x for x in entries) * ENLARGED * (1.0 + slack) * ENLARGED
         for k in still:
@@ -437,12 +437,12 @@ def _point(form: Form) -> Spans:
 
 
 def _is_in(point: Vector, lows: Vector, highs: Vector) -> bool:
-    """Tell whether a point is in one of some boxes."""
+    """Return whether a point is in one of some boxes."""
     return bool(((lows <= point) & (point <= highs)).all(axis=1).any())
 
 
 def _finite(forms: Sequence[Form]) -> Flags:
-    """Tell which sets have bounds."""
+    """Return which sets are finite."""
     return np.asarray(np.all([np.isfinite(form.size) for form in forms], axis=0))
 
 
@@ -461,7 +461,7 @@ def _halves(group: _Group) -> list[_Group]:
 
 
 def covered(box: Sequence[tuple[Any, Any]], lows: Any, highs: Any) -> bool:
-    """Tell whether all of a box is in the union of some: cut at their sides until each part is.
+    """Return whether a box is inside a union of boxes: cut at their sides until each part is.
 
     Ends are floats or fractions.
     """
@@ -472,7 +472,7 @@ def covered(box: Sequence[tuple[Any, Any]], lows: Any, highs: Any) -> bool:
     if not near.any():
         return False
     lows, highs = lows[near], highs[near]
-    # The one that holds most of the box first.
+    # The box with the largest common part first.
     shares = np.minimum(highs, high) - np.maximum(lows, low)
     first = int(np.argmax((shares / np.maximum(high - low, 1e-300)).min(axis=1)))
     rest = np.arange(len(lows)) != first
@@ -483,7 +483,7 @@ def covered(box: Sequence[tuple[Any, Any]], lows: Any, highs: Any) -> bool:
 def _parts_outside(
     box: Sequence[tuple[Any, Any]], other: Sequence[tuple[Any, Any]]
 ) -> Iterator[list[tuple[Any, Any]]]:
-    """Yield boxes that hold all of a box that is outside another one."""
+    """Yield boxes that cover the part of a box outside another one."""
     rest = list(box)
     for k, (low, high) in enumerate(other):
         if not rest[k][0] >= low:

@@ -1,8 +1,7 @@
 """The checker's own control period: the instructions of a controller, over any kind of number.
 
-The search reads the lines of a controller. The checker carries out the instructions that
-``simulate`` runs (:mod:`fuzzyarm.control.controllers.kernel`), and does itself what is outside the
-controller: sensors and actuators.
+The search reads the lines of a controller. The checker executes the instructions of ``simulate``
+(:mod:`fuzzyarm.control.controllers.kernel`), with its own sensors and actuators.
 """
 
 from __future__ import annotations
@@ -29,22 +28,22 @@ from fuzzyarm.table.lookup import INPUTS, VALUES
 
 
 class NumberSystem(Protocol):
-    """A kind of number: meaning of operations, rule bases and tables."""
+    """A number system: the meaning of operations, rule bases and tables."""
 
     def number(self, value: float) -> Any:
-        """Return a number of the program: the double that it is."""
+        """Return a number of the program, exactly."""
 
     def apply(self, operation: str, arguments: list[Any]) -> Any:
-        """Return an operation; of a condition a bool, or what chooses between two numbers."""
+        """Apply an operation; a condition gives a bool, or a chooser between two numbers."""
 
     def limit(self, x: Any, low: float, high: float) -> Any:
         """Return ``min(max(x, low), high)``."""
 
     def excess(self, value: Any, x: Any, low: float, high: float) -> Any:
-        """Return how far a limit has moved x, which has become `value`."""
+        """Return the change of x by a limit, which made it `value`."""
 
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Any]) -> Any:
-        """Return the conclusion of a rule base."""
+        """Return a conclusion of a rule base."""
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Any]) -> Any:
         """Return the value of a table."""
@@ -63,11 +62,11 @@ class ProgramWalk:
     states : dict of str to float
         Memory of the loop, by symbol, with its start.
     begun : set of str
-        Those that begin as their first input, whatever `states` contains.
+        Memory that begins as its first input, whatever `states` contains.
     states_read : set of str
-        Those that the last walk has read, as the period before had left them.
+        Memory read in the last walk, with its value from the period before.
     at : str
-        The signal or drive that the walk works for, while it does.
+        The signal or drive in evaluation, during a walk.
     """
 
     def __init__(self, problem: LoopProblem) -> None:
@@ -75,7 +74,7 @@ class ProgramWalk:
         model = problem.text.model
         self._wiring = wiring_of(model)
         try:
-            # No inference is called while the instructions are read: any address will do.
+            # Nothing is inferred while the instructions are read: any address will do.
             self._program = write_down(
                 model, problem.text.sheets, {}, self._wiring, RunArithmetic()
             )
@@ -121,10 +120,9 @@ class ProgramWalk:
         first: bool = False,
         moved: Mapping[Address, Any] | None = None,
     ) -> tuple[dict[Address, Any], dict[str, Any]]:
-        """Do one period: return inputs of the plant, and memory for the next.
+        """Evaluate one period: return the plant's inputs, and the memory for the next period.
 
-        Missing parts of `states`, which is memory, have their start. `moved` has the references
-        that are not `set_point`.
+        Memory missing from `states` has its initial value. `moved` has the moving references.
         """
         self.states_read = set()
         self._numbers, self._first = numbers, first
@@ -165,7 +163,7 @@ class ProgramWalk:
     def _given(
         self, measurements: Mapping[Address, Any], moved: Mapping[Address, Any]
     ) -> dict[int, Any]:
-        """Return the cells that the loop fills in."""
+        """Return the cells filled in by the loop."""
         set_point, period = self.problem.set_point, self.problem.text.model
         cells = {
             PERIOD: self._numbers.number(period.period),
@@ -180,22 +178,22 @@ class ProgramWalk:
         return cells
 
     def _load(self, cell: int) -> Any:
-        """Return a cell: filled in, remembered, or a number of the program."""
+        """Return a cell: filled in, remembered, or a constant of the program."""
         if cell in self._cells:
             return self._cells[cell]
         if cell in self._cell_names:
             return self._state(self._cell_names[cell])
         value = float(self._program.cells[cell])
-        # No rational is infinite: such a number stays a float until something is compared with it.
+        # No rational is infinite: such a number stays a float until a comparison.
         return value if math.isinf(value) else self._numbers.number(value)
 
     def _keep(self, cell: int, value: Any) -> None:
-        """Leave a cell for the next period, where anything reads it."""
+        """Store a cell for the next period, if anything reads it."""
         if cell in self._cell_names:
             self._after[self._cell_names[cell]] = value
 
     def _carry_out(self, operator: int, into: int, a: int, b: int, c: int) -> None:
-        """Carry out one instruction; a, b and c are cells, or where a list begins."""
+        """Execute one instruction; a, b and c are cells, or begins of lists."""
         if operator in _ARITHMETIC:
             value = self._load(a)
             for operation, cell in zip(_ARITHMETIC[operator], (b, c), strict=False):
@@ -225,13 +223,13 @@ class ProgramWalk:
     def _slewed(self, x: Any, state: int) -> Any:
         steepest = float(self._program.cells[state + code.STEEPEST])
         value = x
-        if steepest < math.inf:  # else what other axes read is kept in it
+        if steepest < math.inf:  # else the cell keeps a value for other axes
             value = self._near(x, self._load(state + code.LAST_DRIVE), steepest)
         self._keep(state + code.LAST_DRIVE, value)
         return value
 
     def _near(self, value: Any, before: Any, steepest: float) -> Any:
-        """Return a value whose change in a period is limited."""
+        """Return a value with its change per period limited."""
         numbers = self._numbers
         most = numbers.number(steepest * self.problem.period)
         least = numbers.apply("subtract", [before, most])
@@ -239,7 +237,7 @@ class ProgramWalk:
         return numbers.apply("minimum", [value, numbers.apply("add", [before, most])])
 
     def _updated(self, begin: int, frame: int, x: int) -> Any:
-        """Return the value of a source; its memory is left for the next period."""
+        """Return the value of a source; store its memory for the next period."""
         kind = self._program.updates[frame]
         inputs = frame + 1 + len(kind.states)
         pairs = self._program.code[begin + code.FETCHES :][
@@ -261,14 +259,14 @@ class ProgramWalk:
             return self._value(root, argument, names)
 
         results[VALUE] = value(kind.expression)
-        # All are of the time before: none is kept until each of them is known.
+        # All read the old memory: none is stored until each is known.
         after = [value(root) for root in kind.nexts]
         for cell, state in enumerate(after, frame + 1):
             self._keep(cell, state)
         return results[VALUE]
 
     def _infer(self, begin: int) -> None:
-        """Ask a rule base, output by output."""
+        """Evaluate a rule base, output by output."""
         program = self._program.code
         count, results = program[begin + code.COUNT_INPUTS], program[begin + code.COUNT_RESULTS]
         cells = program[begin + code.INFER_CELLS :][: count + results]
@@ -290,7 +288,7 @@ class ProgramWalk:
     # ── expressions ──────────────────────────────────────────────────────────────────
 
     def _value(self, root: Node, argument: Callable[[str], Any], unseen: Collection[str]) -> Any:
-        """Return an expression; of a choice only the branch that is taken is looked at."""
+        """Evaluate an expression; of a choice only the branch taken."""
         results: dict[Node, Any] = {}
 
         def value(node: Node) -> Any:
@@ -307,7 +305,7 @@ class ProgramWalk:
             operation, arguments = node.operation, node.arguments
             if operation == "where":
                 return self._chosen(value, *arguments)
-            # The program asks so whether x is NaN: only memory is that has seen nothing yet.
+            # The program's test for NaN: only memory before its first value is NaN.
             if operation == "equal" and arguments[0] is arguments[1]:
                 return getattr(arguments[0], "name", "") not in unseen
             if operation in _CONDITIONS:
@@ -352,7 +350,7 @@ class ProgramWalk:
         return measurements
 
     def _rate(self, address: Address, constant: float, measurements: Mapping[Address, Any]) -> Any:
-        """Return the filtered difference that a sensor gives for a rate."""
+        """Return a sensor's filtered difference as rate."""
         numbers, h = self._numbers, self.problem.period
         label = ".".join(address)
         of = (address[0], self.problem.site.interface.outputs[address].rate_of)
@@ -415,7 +413,7 @@ _CONDITIONS: dict[str, Callable[..., Any]] = {
     "either": lambda value, a, b: _negated(_both(lambda node: _negated(value(node)), a, b)),
     "negation": lambda value, a: _negated(value(a)),
 }
-"""Conditions that are joined: the second one is looked at where the first does not tell."""
+"""Joined conditions: the second is evaluated if the first does not decide."""
 
 
 _ARITHMETIC: dict[int, tuple[str, ...]] = {
@@ -428,23 +426,23 @@ _ARITHMETIC: dict[int, tuple[str, ...]] = {
     code.MULTIPLY_DIVIDE: ("multiply", "divide"),
     code.SUBTRACT_MULTIPLY: ("subtract", "multiply"),
 }
-"""Operations on the first cell, with each of the others in turn, by instruction."""
+"""Operations that fold the first cell with each of the others, by instruction."""
 
 
 def _instructions(program: ControllerCode) -> Iterator[list[int]]:
-    """Yield instructions without their rounding."""
+    """Yield instructions without their rounding steps."""
     for at in range(1, 1 + code.INSTRUCTION * program.code[0], code.INSTRUCTION):
         yield program.code[at : at + code.INSTRUCTION - 1]
 
 
 def _fetched(program: ControllerCode, begin: int) -> dict[int, int]:
-    """Return where arguments of an update come from, which are no numbers."""
+    """Return the cells of an update's arguments that are not constants."""
     pairs = program.code[begin + code.FETCHES :][: 2 * program.code[begin + code.FETCHED]]
     return dict(zip(pairs[::2], pairs[1::2], strict=True))
 
 
 def _signals_of(program: ControllerCode, wiring: Wiring) -> list[Address]:
-    """Return, of each instruction, the axis and the signal or drive that it works for."""
+    """Return the axis and the signal or drive that each instruction works for."""
     signals = {cell: key for key, cell in program.signals.items()}
     signals |= {cell: key for key, cell in wiring.drives.items()}
     names, following = list[Address](), ("", "")
@@ -455,7 +453,7 @@ def _signals_of(program: ControllerCode, wiring: Wiring) -> list[Address]:
 
 
 def _names_of_states(program: ControllerCode, signals: Sequence[Address]) -> dict[int, str]:
-    """Return the cells that last and are read, each after the signal or drive that it works for."""
+    """Return the persistent cells that are read, named after their signal or drive."""
     instructions = list(_instructions(program))
     limits = {
         b + code.OVER: k
@@ -498,7 +496,7 @@ def _limits(node: Apply) -> tuple[Node, float, float] | None:
 
 
 def _against_infinity(operation: str, arguments: list[Any]) -> Any:
-    """Return a comparison, or the smaller or larger, where one of two is infinite."""
+    """Return a comparison, minimum or maximum with one infinite operand."""
     first, second = arguments
     if operation in ("less", "less_equal"):
         return first < 0 if isinstance(first, float) else second > 0

@@ -1,4 +1,4 @@
-"""Claims about a loop: their text, the loop that they are about, and its identity.
+"""Claims about a loop: their text, their loop, and its identity.
 
 Read :mod:`.problem` first. Search and checker share this room, and nothing else.
 """

@@ -1,8 +1,9 @@
-"""Of which loop a proof is: digests of controller and plant, and what differs from those named.
+"""The identity of a loop: digests of controller and plant, and changes from those named.
 
-A claim names a plant, a controller has a file; a program may give others in their place. So what a
-proof uses is what counts: the lines, gains, rule bases and tables of the controller in memory, the
-traced equations, ports, parameters and start of the plant.
+A claim names a plant, a controller has a file; a program may pass others in their place. So a
+proof depends on the objects in memory: the lines, gains, rule bases and tables of the controller,
+the traced equations, ports, parameters and start of the plant.
+
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from fuzzyarm.symbolic.programs import program_of
 
 
 def loop_digests(text: ControllerText, plant: Plant) -> dict[str, str]:
-    """Return the SHA-256 of a controller and of a plant, as they are in memory."""
+    """Return the SHA-256 of controller and plant, as they are in memory."""
     return {
         "controller": _digest(_controller_parts(text)),
         "plant": _digest(_plant_parts(plant)),
@@ -44,7 +45,7 @@ def _digest(value: object) -> str:
 
 
 def _canonical(value: object) -> str:
-    """Return a text that two values share only if they are the same; spans are left out."""
+    """Return a text that is equal for equal values only; spans are left out."""
     if is_dataclass(value) and not isinstance(value, type):
         compared = [field.name for field in fields(value) if field.compare]
         value = [type(value).__name__, *(getattr(value, name) for name in compared)]
@@ -54,7 +55,7 @@ def _canonical(value: object) -> str:
         value = [value.shape, *value.ravel().tolist()]
     if isinstance(value, tuple | list):
         return f"({', '.join(map(_canonical, value))})"
-    # An object with an address equals nothing else: a certificate of it is refused.
+    # A text with an address equals no other: a certificate of such an object is refused.
     return value.hex() if isinstance(value, float) else repr(value)
 
 
@@ -78,7 +79,7 @@ def _plant_parts(plant: Plant) -> dict[str, object]:
 
 
 def _equations(plant: Plant) -> str:
-    """Return the traced equations as a program; of those that cannot be traced nothing."""
+    """Return the traced equations as a program; nothing if they cannot be traced."""
     roots = expressions_of(plant)
     if roots is None:
         return ""
@@ -90,7 +91,7 @@ def _equations(plant: Plant) -> str:
 
 
 def _own_start(plant: Plant) -> tuple[float, ...] | None:
-    """Return where a plant starts by itself; None where it draws that."""
+    """Return the plant's default start; None if it is drawn at random."""
     first, second = (tuple(start_of(plant, np.random.default_rng(seed))) for seed in (0, 1))
     return first if first == second else None
 
@@ -99,7 +100,7 @@ def _own_start(plant: Plant) -> tuple[float, ...] | None:
 
 
 def controller_changes(text: ControllerText) -> Iterator[str]:
-    """Return the differences of a controller from that in its file."""
+    """Yield the changes of a controller from its file."""
     if not text.path:
         return
     try:
@@ -119,12 +120,12 @@ def controller_changes(text: ControllerText) -> Iterator[str]:
 
 
 def gain_words(gain: GainModel) -> str:
-    """Return the numbers of a gain, one or one for each axis."""
+    """Return a gain in words: one number, or one for each axis."""
     return " ".join(number_text(amount.value(math.pi)) for amount in gain.values)
 
 
 def plant_changes(claim: LoopClaim, plant: Plant) -> Iterator[str]:
-    """Return the differences of a plant from that named in a claim."""
+    """Yield the changes of a plant from the one that the claim names."""
     named = _named(claim.plant) if claim.plant in PLANTS else named_again(claim.plant, plant)
     if named is None:
         yield f"a plant given in Python, {_digest(_plant_parts(plant))[:12]}"

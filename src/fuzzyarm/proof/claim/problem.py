@@ -1,9 +1,9 @@
 """The subject of a claim about a closed loop: controller, plant, parameters, starts, set point.
 
 The loop is that of :mod:`fuzzyarm.control.loop.loop`: in each control period sensors read the
-outputs, then the controller runs, then the limits of the actuators hold, then the plant moves on
-with its inputs held. :mod:`fuzzyarm.proof.loop.period` does one such period, up to the inputs of
-the plant.
+outputs, then the controller runs, then the actuators limit its drives, then the plant moves on
+with its inputs held. :mod:`fuzzyarm.proof.loop.period` evaluates one such period, up to the inputs
+of the plant.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class LoopProofError(FuzzyarmError, ValueError):
 
 
 class LostRunError(LoopProofError):
-    """All runs of a set are beyond the bound of a port at the end of a period: for certain."""
+    """All runs of a set certainly exceed the bound of a port at the end of a period."""
 
     def __init__(self, where: str) -> None:
         super().__init__(f"all runs from some starts are {where}")
@@ -52,7 +52,7 @@ class LostRunError(LoopProofError):
 
 
 class ClaimError(LoopProofError):
-    """A claim uses a name that its plant does not have, or an interval with its ends exchanged."""
+    """A claim has an unknown name, or an interval with its ends exchanged."""
 
 
 # ── the record ───────────────────────────────────────────────────────────────────────
@@ -64,13 +64,13 @@ class PlantEquations:
 
     rates: tuple[Node, ...]  # of the states, in their order
     outputs: tuple[Node, ...]  # in the order of the ports
-    states: tuple[str, ...]  # states, inputs, parameters: the symbols, in the order of the plant
+    states: tuple[str, ...]  # symbols: states, inputs, parameters, in the order of the plant
     inputs: tuple[str, ...]
     parameters: tuple[str, ...]
 
 
 class MovedReference(NamedTuple):
-    """A quantity of a reference that moves: its value (0), its rate (1) or its acceleration (2)."""
+    """The value (0), rate (1) or acceleration (2) of a moving reference."""
 
     signal: Signal
     order: int
@@ -78,7 +78,7 @@ class MovedReference(NamedTuple):
 
 @dataclass(frozen=True)
 class LoopProblem:
-    """A closed loop, and where it starts.
+    """A closed loop and its starts.
 
     Attributes
     ----------
@@ -87,21 +87,21 @@ class LoopProblem:
     plant : Plant
         Shipped or a user's, with equations that can be traced.
     site : Site
-        How the controller finds the ports.
+        The wiring of the controller to the ports.
     start : dict of str to Interval
         Of each state of the plant, by name.
     parameters : dict of str to Interval
-        Of all parameters of the plant, by name; most are points.
+        Of each parameter of the plant, by name; most are points.
     signals : dict of (str, str) to Signal
         References, set points among them, by axis and port of an output; others are 0.
     sensors : dict of (str, str) to Sensor
-        By axis and port; those that are not there are exact.
+        By axis and port; others are exact.
     errors : tuple of (str, str)
-        Outputs of which proofs bound the error, too.
+        Outputs whose error is bounded, too.
     begins_alone : tuple of str
-        States that begin at the plant's start, not at that of a claim.
+        States that begin at the plant's own start, not at one of the claim.
     unknown_start : str
-        Why it is not known where those begin; empty where it is.
+        Why the plant's own start is unknown; empty if it is known.
     given : Plant
         The plant before the parameters of the claim were set, as its certificate names it.
     """
@@ -119,22 +119,22 @@ class LoopProblem:
     given: Plant | None = None
 
     def require_known_start(self) -> None:
-        """Refuse a claim about runs whose start is not one box.
+        """Refuse a claim about runs whose start is not a single box.
 
         Raises
         ------
         LoopProofError
-            If a state begins at the plant's start, and that is not a single point.
+            If a state begins at the plant's own start, and that is not a single point.
         """
         if self.unknown_start:
             boxes = ", ".join(f"{name} in LOW .. HIGH" for name in self.begins_alone)
             raise LoopProofError(self.unknown_start, hint=f"say it: from {boxes}")
 
     def lost_beyond(self, output: Address) -> float:
-        """Return the size of an output beyond which a run has diverged for certain.
+        """Return the magnitude of an output beyond which a run has certainly diverged.
 
-        Its bound may be smaller. Where the error has a bound, proofs keep the output within that
-        less the size of the reference; lost it is for certain only beyond the sum of both.
+        The bound of the port may be smaller. For a bound b of the error, proofs keep the output
+        within b − |r|; a run is certainly lost beyond b + |r| only.
         """
         port = self.site.interface.outputs[output]
         far = _reach(self.signals, output)
@@ -144,7 +144,7 @@ class LoopProblem:
 
     @property
     def period(self) -> float:
-        """Of control, s."""
+        """The control period, s."""
         return float(self.text.model.period)
 
     @property
@@ -155,7 +155,7 @@ class LoopProblem:
     # --- references ---
 
     def with_error(self, port: Address) -> LoopProblem:
-        """Return the loop with bounds of the error of an output, beside those of others."""
+        """Return the loop with the error of another output bounded, too."""
         if port not in self.site.interface.outputs:
             name = self.site.interface.label(port)
             raise ClaimError(f"'{name}' is an input, which has no error")
@@ -163,9 +163,9 @@ class LoopProblem:
 
     @cached_property
     def set_point(self) -> dict[Address, float]:
-        """Each reference, by axis and port, where it comes to rest; 0 for rates.
+        """The final value of each reference, by axis and port; 0 for rates.
 
-        NaN where it never does.
+        NaN if it never comes to rest.
         """
         return {
             address: self._last(address) if not reference.order else 0.0
@@ -178,12 +178,12 @@ class LoopProblem:
         return self.signals[address].stations[-1][1] if self.signals[address].stations else math.nan
 
     def signal_of(self, output: Address) -> Signal:
-        """Return the reference of an output: 0 where nothing is said of it."""
+        """Return the reference of an output; 0 by default."""
         return self.signals.get(output, Signal("step", (0.0,)))
 
     @property
     def signals_by_name(self) -> dict[str, Signal]:
-        """References of all outputs that have one of their own, as for ``simulate``."""
+        """The references that were set, by name, as for ``simulate``."""
         interface = self.site.interface
         return {
             interface.label(address): self.signal_of(address)
@@ -193,7 +193,7 @@ class LoopProblem:
 
     @cached_property
     def moved(self) -> dict[Address, MovedReference]:
-        """References that are not one number, by axis and port: those in use."""
+        """The moving references in use, by axis and port."""
         model, references = self.text.model, self.site.interface.references
         used = {self.site.find(model, "reference", port) for port in ports_of(model, "reference")}
         signals = {a: self.signals.get(references[a].of) for a in (*used, *self.errors)}
@@ -204,22 +204,22 @@ class LoopProblem:
         }
 
     def time_of(self, period: int) -> Fraction:
-        """Return when a control period begins, s, as a decimal."""
+        """Return the start of a control period, s, as a decimal."""
         return period * decimal(self.period)
 
     def held_since(self, period: int) -> int:
-        """Return the period in which the references that hold in one were sampled."""
+        """Return the period in which the references held in `period` were sampled."""
         return period - period % self.text.model.every
 
     def simulated(self, reference: MovedReference, period: int) -> float:
-        """Return a reference in a period as ``simulate`` takes it, rounding included."""
+        """Return a reference in a period with the bits of ``simulate``, rounding included."""
         every = self.text.model.every
         time = np.array([period // every], float) * (self.period * every)
         return float(reference.signal.at(time)[reference.order][0])
 
     @cached_property
     def rests_from(self) -> int | None:
-        """The control period from which on all references are `set_point`; None: there is none."""
+        """The first control period with all references at `set_point`; None: never."""
         stations = [signal.stations for signal in self.signals.values()]
         if not all(stations):
             return None
@@ -229,7 +229,7 @@ class LoopProblem:
 
     @cached_property
     def at_rest(self) -> LoopProblem:
-        """The loop as it is once all references are at their last values."""
+        """The loop with all references at their final values."""
         if not self.moved:
             return self
         if self.rests_from is None:
@@ -239,7 +239,7 @@ class LoopProblem:
 
     @property
     def constants(self) -> dict[str, float]:
-        """Time and parameters by the symbols of the equations: 0, and the middle of an interval."""
+        """Values of time (0) and parameters (midpoints), by symbol."""
         spans = zip(self.equations.parameters, self.parameters.values(), strict=True)
         return {"t": 0.0} | {key: 0.5 * span.low + 0.5 * span.high for key, span in spans}
 
@@ -272,7 +272,7 @@ class LoopProblem:
 
 
 def require_one_rate(model: ControllerModel) -> None:
-    """Refuse a controller with an axis that does not run in each period."""
+    """Refuse a controller with an axis that skips periods."""
     slow = next((axes for axes in model.axes if axes.every > 1), None)
     if slow is not None:
         message = f"the axis '{slow.names[0]}' runs every {slow.every} control periods"
@@ -280,11 +280,11 @@ def require_one_rate(model: ControllerModel) -> None:
 
 
 LONGEST_DELAY = 1000
-"""Control periods of a delay: each is a state of the loop, and matrices have their square."""
+"""Longest delay in control periods: each is a state, and matrices grow with the square."""
 
 
 def _demand_short_delays(delays: Mapping[str, float], period: float) -> None:
-    """Refuse a delay of so many periods that matrices of the loop do not fit into memory."""
+    """Refuse a delay of too many periods: the loop's matrices would not fit into memory."""
     for name, delay in delays.items():
         if not delay <= LONGEST_DELAY * period:
             raise LoopProofError(
@@ -294,7 +294,7 @@ def _demand_short_delays(delays: Mapping[str, float], period: float) -> None:
 
 
 def _demand_whole_delays(delays: Mapping[str, float], period: float) -> None:
-    """Refuse a fraction of a period: a sensor would round it, an actuator changes inside."""
+    """Refuse a fraction of a period: a sensor would round it, an actuator change inside."""
     for name, delay in delays.items():
         count = whole_periods(delay, period)
         if decimal(delay) != count * decimal(period):
@@ -316,24 +316,24 @@ def loop_problem(
     connect: Mapping[str, str] | None = None,
     inside: bool = False,
 ) -> LoopProblem:
-    """Put a closed loop together.
+    """Build the loop of a claim.
 
     Parameters
     ----------
     text : ControllerText
         The controller.
     plant : Plant
-        What it runs.
+        The plant.
     start : mapping of str to (float, float), optional
-        By state or by output that is a state; others begin where the plant does.
+        By state, or by output equal to a state; others begin at the plant's own start.
     parameters : mapping of str to (float, float), optional
-        By name; others have their value.
+        By name; others have their nominal value.
     set_point : mapping of str to float, str or Signal, optional
-        By port: a number, or a reference that moves; 0 for others.
+        By port: a number, or a moving reference; 0 for others.
     sensors : mapping of str to Sensor, optional
         By port.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        Port of the plant for each name of the controller that differs.
     inside : bool, optional
         Whether the dead time of an actuator may end inside a period, as margins allow.
 
@@ -348,7 +348,7 @@ def loop_problem(
     """
     given, values = plant, _chosen("parameter", parameters, plant.parameters)
     if values:
-        # Equations, ports and start may read it by name: of one value they have that.
+        # Equations, ports and start may read a parameter by name: they get its one value.
         plant = with_parameters(plant, {name: span.low for name, span in values.items()})
         _demand_arguments(plant, values)
     site = site_of(plant, connect)
@@ -357,7 +357,7 @@ def loop_problem(
         raise LoopProofError(
             f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
-    site.wiring(text.model)  # names a missing port
+    site.wiring(text.model)  # raises for a missing port
     for name in set(site.connect) - connectable_names(text.model):
         # A sentence about the loop would say that it is joined.
         raise LoopProofError(f"nothing in {text.model.name} is called '{name}', to be connected")
@@ -394,7 +394,7 @@ def loop_problem(
 
 
 def _signals(interface: Interface, references: Mapping[str, AnySignal]) -> dict[Address, Signal]:
-    """Return the references of a loop by axis and port."""
+    """Return the references by axis and port."""
     _demand_once({name: [interface.port(name)] for name in references})
     signals = {interface.port(name): as_signal(x, name) for name, x in references.items()}
     for port, signal in signals.items():
@@ -405,7 +405,7 @@ def _signals(interface: Interface, references: Mapping[str, AnySignal]) -> dict[
 
 
 def _demand_driven_from_zero(text: ControllerText, site: Site) -> None:
-    """Refuse `driven` of an actuator that begins at another value than 0."""
+    """Refuse `driven` for an actuator with another initial value than 0."""
     for axes, line in text.model.lines():
         source = line.source if isinstance(line, SignalLine) else None
         if source is None or source.kind != "driven":
@@ -420,7 +420,7 @@ def _demand_driven_from_zero(text: ControllerText, site: Site) -> None:
 
 
 def _demand_once(places: Mapping[str, list[Address]]) -> None:
-    """Refuse two values of one port, which may have two names."""
+    """Refuse two values for one port, which may have two names."""
     seen: set[Address] = set()
     for name, ports in places.items():
         if seen & set(ports):
@@ -433,7 +433,7 @@ def _reach(signals: Mapping[Address, Signal], output: Address) -> float:
 
 
 def _with_error_bounds(interface: Interface, signals: Mapping[Address, Signal]) -> Interface:
-    """Return ports whose bounds hold their errors, too: |y| ≤ b − |r| keeps |r − y| ≤ b."""
+    """Return ports with bounds that bound their errors, too: |y| ≤ b − |r| keeps |r − y| ≤ b."""
     outputs = dict(interface.outputs)
     for address, port in outputs.items():
         if math.isinf(port.error_bound):
@@ -448,7 +448,7 @@ def _with_error_bounds(interface: Interface, signals: Mapping[Address, Signal]) 
 
 
 def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
-    """Refuse what nothing reads; and of an interval what is read otherwise than from `p`."""
+    """Refuse a parameter that nothing reads, and an interval read otherwise than from `p`."""
     at = copy(plant)
     at.parameters = watched = Watched(plant.parameters)
     for ports in (at.inputs, at.outputs, at.states):  # they may read a parameter by name, too
@@ -485,7 +485,7 @@ _LASTING = ("STORE", "DELETE", "MAKE_FUNCTION", "IMPORT", "LOAD_CLOSURE", "LOAD_
 
 
 def _only_computes(plant: Plant) -> bool:
-    """Whether a start keeps nothing: it stores no attribute, and calls nothing that may."""
+    """Return whether a start keeps nothing: no attribute stored, no call that may store one."""
     start = getattr(plant.start, "__func__", plant.start)
     if not isinstance(start, FunctionType):
         return False
@@ -494,7 +494,7 @@ def _only_computes(plant: Plant) -> bool:
 
 
 def _is_harmless(start: FunctionType, step: tuple[str, Any], *later: tuple[str, Any]) -> bool:
-    """Whether an instruction of a start keeps nothing, by the two after it."""
+    """Return whether an instruction of a start keeps nothing, judged with the two after it."""
     kind, name = step
     if kind == "LOAD_GLOBAL":
         value = start.__globals__.get(name, getattr(builtins, name, None))
@@ -510,7 +510,7 @@ def _is_harmless(start: FunctionType, step: tuple[str, Any], *later: tuple[str, 
 
 
 def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
-    """Return where a plant begins by itself, and why that is not one place; empty: it is."""
+    """Return the plant's own start, and why it is not a single point (empty: it is)."""
     points = {name: span.low for name, span in values.items()}
     at = with_parameters(plant, points) if points else copy(plant)
     at.parameters = watched = Watched(at.parameters)
@@ -526,7 +526,7 @@ def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], s
 
 
 def _drawn_from(generator: np.random.Generator) -> tuple[str, int]:
-    """Return the state that a random generator changes on use."""
+    """Return the state of a random generator, which changes on each draw."""
     bits: Any = generator.bit_generator
     return repr(bits.state), bits.seed_seq.n_children_spawned
 

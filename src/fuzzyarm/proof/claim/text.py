@@ -1,4 +1,4 @@
-"""Claims about a loop: from text, to text, and the loop that they are about."""
+"""Claims about a loop: reading, writing, and the loop that they name."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 
 
 class ClaimedPeriods(NamedTuple):
-    """The first and the last control period, counted from 0; no last one: for ever."""
+    """The first and last control period of a claim, counted from 0; no last one: for ever."""
 
     first: int
     last: int | None
 
 
 def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedPeriods:
-    """Return the control periods that a claim counts in: one rule for search and checker.
+    """Return the control periods of a claim: one rule for search and checker.
 
-    Times are the decimals that they are printed as, and the k-th sample is at k periods. A claim
-    includes both of its ends. An output is continuous: at a sample it is where the period before
-    ends and the next one begins. A drive jumps there, and so may an error (`jumps`): the values
-    before and after both count, at both ends.
+    Times are decimals, as printed; the k-th sample is at k periods. A claim includes both of its
+    ends. An output is continuous: at a sample the period before ends where the next one begins.
+    A drive jumps there, and so may an error (`jumps`): the values before and after both count, at
+    both ends.
     """
     begin = decimal(claim.begin) / decimal(period)
     first = max(0, math.ceil(begin) - 1) if jumps else math.floor(begin)
@@ -50,7 +50,7 @@ def claimed_periods(claim: LoopClaim, period: float, *, jumps: bool) -> ClaimedP
 
 
 OPENINGS = ("stable", "on", "at", "with", "from", "while")
-"""Words that a claim may begin with, where its plant is known."""
+"""First words of a claim without ``on PLANT``."""
 
 
 def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
@@ -61,15 +61,15 @@ def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
     text : str
         As after ``prove`` in the file of a controller.
     plant : str, optional
-        Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
+        Name of the plant if the text leaves ``on PLANT`` out: ``stable``, ``from position in
         -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
     argument : str, optional
-        As what the text was given; an error begins with it.
+        Name of the argument with the text; an error begins with it.
 
     Raises
     ------
     RuleBaseError
-        With what is wrong with it, and what was probably meant.
+        If it cannot be read, with the likely meaning.
     """
     words = text.strip().removeprefix("prove ").strip()
     if plant and not re.match(r"(stable\s+)?on\s", words):
@@ -104,7 +104,7 @@ def claim_text(claim: LoopClaim) -> str:
     Parameters
     ----------
     claim : LoopClaim
-        Which.
+        The claim.
     """
     return text_of(claim_node(claim)).removeprefix("prove ")
 
@@ -119,10 +119,10 @@ def loop_sentence(
     continuous: bool = False,
     duration: float = 0.0,
 ) -> str:
-    """Return a claim together with all that makes its loop another than the plain one.
+    """Return a claim with everything that sets its loop apart from the plain one.
 
-    What differs in `plant` from the one that the claim names is said, and what differs in `text`
-    from its file. A `duration`, s, is that of bounds, which claim nothing.
+    Included are the changes of `plant` from the one named in the claim, and of `text` from its
+    file. A `duration`, s, is that of bounds, which claim nothing.
     """
     words = [claim_text(claim)]
     if duration:
@@ -155,15 +155,15 @@ def _sensor_words(sensor: Sensor) -> Iterator[str]:
 
 
 def claimed_plant(claim: LoopClaim, named: str | None = None, *, trust: bool = False) -> Plant:
-    """Return the plant of a claim; of a claim in a file only if its code may run.
+    """Return the plant of a claim; a plant in a file only if its code may run.
 
-    The file that the command line has `named` may; all may with `trust`.
+    Code of the file `named` on the command line may run; with `trust` any code may.
     """
     return trusted_plant(claim.plant, named, trust=trust or claim.span == NOWHERE)
 
 
 def require_sense(claim: LoopClaim) -> None:
-    """Refuse a claim that means nothing, wherever it comes from: ClaimError with the part."""
+    """Raise ClaimError for a meaningless claim, whatever its origin, with the part at fault."""
     for part, names in (
         ("at", [name for name, _ in claim.at]),
         ("with", [name for name, _, _ in claim.parameters]),
@@ -193,7 +193,7 @@ def require_sense(claim: LoopClaim) -> None:
 
 
 def _require_references(claim: LoopClaim) -> None:
-    """Refuse references that move otherwise than a text may say."""
+    """Refuse references that no text can express."""
     fault, hint = reference_fault(claim)
     if fault:
         raise ClaimError(fault, hint=hint)
@@ -202,14 +202,14 @@ def _require_references(claim: LoopClaim) -> None:
 
 
 def _signal_of(reference: FollowedReference) -> Signal:
-    """Return the signal of a claim; a ClaimError where there is none."""
+    """Return the signal of a claim's reference; ClaimError if it has none."""
     if reference.kind not in FOLLOWED:
         raise ClaimError(f"'{reference.kind}' is not a reference of claims")
     try:
         signal = Signal(reference.kind, reference.numbers)
     except SignalError as error:
         raise ClaimError(str(error), hint=error.hint) from None
-    # All of them: a text has no place for what is left out.
+    # All of them: a text cannot leave one out.
     if len(signal.numbers) < (2 if signal.kind == "sine" else 3):
         raise ClaimError(f"a {signal.kind} of a claim says where it begins")
     if any(word == "AT" and number < 0.0 for word, number in signal.named):
@@ -218,7 +218,7 @@ def _signal_of(reference: FollowedReference) -> Signal:
 
 
 def _require_times(claim: LoopClaim) -> None:
-    """Refuse times that are none of a run, or that the word before them does not have."""
+    """Refuse times outside a run, or times that the word before them does not take."""
     begin, end = number_text(claim.begin), number_text(claim.end)
     if claim.when == "always" and _times(claim):
         raise ClaimError(f"a claim that holds always has no times, such as {begin} .. {end} s")
@@ -245,7 +245,7 @@ def problem_of(
     sensors: Mapping[str, Sensor] | None = None,
     inside: bool = False,
 ) -> LoopProblem:
-    """Return the loop of a claim, which has to mean something; `inside` as in `loop_problem`."""
+    """Return the loop of a meaningful claim; `inside` as in `loop_problem`."""
     require_sense(claim)
     problem = loop_problem(
         text,
@@ -269,7 +269,7 @@ def problem_of(
 
 @dataclass(frozen=True)
 class GivenLoop:
-    """A controller and the plant that it runs, as given to a proof: arguments of `problem_of`."""
+    """Controller and plant of a proof: the arguments of `problem_of`."""
 
     text: ControllerText
     plant: Plant | None
@@ -283,7 +283,7 @@ class GivenLoop:
         )
 
     def sentence(self, claim: LoopClaim, *, continuous: bool = False) -> str:
-        """Return a claim about it in words."""
+        """Return the statement of a claim about this loop."""
         return loop_sentence(
             claim, self.sensors, self.connect, plant=self.plant, text=self.text,
             continuous=continuous,
@@ -291,14 +291,14 @@ class GivenLoop:
 
 
 def _require_one_meaning(problem: LoopProblem, claim: LoopClaim) -> None:
-    """Refuse a name of a claim that is a state of the plant and an output of another value."""
+    """Refuse a name that is both a state of the plant and an output of another value."""
     used = {name for name, _, _ in claim.start} | {claim.output.rpartition(".")[2]}
     named = {port for _, port in problem.site.interface.outputs} & set(problem.states) & used
     if not named:
         return
     try:
         equations = problem.equations
-    except LoopProofError:  # nothing is known of its outputs, nor proved
+    except LoopProofError:  # outputs unknown: nothing gets proved either
         return
     for (_, port), root in zip(problem.site.interface.outputs, equations.outputs, strict=True):
         if port in named:
@@ -312,7 +312,7 @@ def _require_one_meaning(problem: LoopProblem, claim: LoopClaim) -> None:
 
 
 def claimed_in(problem: LoopProblem, claim: LoopClaim) -> ClaimedPeriods:
-    """Return the control periods of its loop that a claim counts in."""
+    """Return the control periods of a claim in its loop."""
     interface = problem.site.interface
     port = interface.port(claim.output) if claim.output else ("", "")
     jumps = port in interface.inputs
@@ -322,12 +322,12 @@ def claimed_in(problem: LoopProblem, claim: LoopClaim) -> ClaimedPeriods:
 
 
 def claimed_port(problem: LoopProblem, claim: LoopClaim) -> str:
-    """Return the output, its error or the drive that is claimed of, as tubes and runs call it."""
+    """Return the claimed output, error or drive by its name in tubes and runs."""
     interface = problem.site.interface
     label = interface.label(interface.port(claim.output))
     return error_label(label) if claim.error else label
 
 
 def error_label(output: str) -> str:
-    """Return what tubes and runs call the error of an output."""
+    """Return the name of an output's error in tubes and runs."""
     return f"error of {output}"
