@@ -1,10 +1,10 @@
 """Properties of a rule base at every point: bounds, slopes, symmetry, errors of a table.
 
 :func:`prove` gives a :class:`Verdict` on a statement; :class:`Prover` gives single bounds. A
-rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into
-pieces on which the output is a quotient of polynomials; everything else goes by boxes.
-:func:`sector` and :func:`slopes_at` set an output beside a linear law;
-:func:`prove_drives` does so with the drives of a controller.
+rule base of piecewise linear terms, min and the exact centroid (or averages of numbers) is cut into
+pieces on which the output is a quotient of polynomials; all others are bounded over boxes.
+:func:`sector` and :func:`slopes_at` compare an output with a linear law;
+:func:`prove_drives` does so for the drives of a controller.
 """
 
 from typing import TYPE_CHECKING

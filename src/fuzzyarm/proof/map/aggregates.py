@@ -1,7 +1,7 @@
-"""The aggregate of an output between two bounds, from bounds of the firing strengths.
+"""Bounds of an output's aggregate, from bounds of the firing strengths.
 
-At samples there are two heights for each. Over panels of the output's range the aggregate lies
-between two straight lines.
+Each sample has a lower and an upper height; each panel of the output's range a lower and an upper
+line.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 PANELS = 160
-"""Stretches of an output on which its aggregate lies between two straight lines."""
+"""Panels of an output, each with a lower and an upper line of the aggregate."""
 
 LEVEL_PANELS = 800
-"""The same where the lines are level, which bound a slope to first order only."""
+"""The same for level lines, which follow a slope to first order only."""
 
 Strengths = Sequence[tuple[int, Interval]]
 """(member, bounds of its firing strength), rule by rule."""
@@ -33,7 +33,7 @@ Strengths = Sequence[tuple[int, Interval]]
 
 
 def folded(output: OutputPlan, strengths: Strengths) -> dict[int, Interval]:
-    """Return bounds of one strength for each member, folded by the aggregation."""
+    """Return bounds of the strength of each member, folded by the aggregation."""
     norm = SNORMS[output.output.aggregation]
     bounds: dict[int, Interval] = {}
     for member, (least, most) in strengths:
@@ -45,7 +45,7 @@ def folded(output: OutputPlan, strengths: Strengths) -> dict[int, Interval]:
 
 
 def folded_where_max(output: OutputPlan, strengths: Strengths) -> Strengths:
-    """Return one strength for each member under max: a T-norm rises with the strength."""
+    """Return one strength per member under max: a T-norm rises with the strength."""
     if output.output.aggregation != "max":
         return strengths
     bounds: dict[int, Interval] = {}
@@ -65,7 +65,7 @@ def _aggregate(
     least: Sequence[Array],
     most: Sequence[Array],
 ) -> Interval:
-    """Return bounds of the aggregate where every set has bounds."""
+    """Return bounds of the aggregate from bounds of every set."""
     norm = SNORMS[output.output.aggregation]
     count, places = len(strengths[0][1][0]), len(least[0])
     lower, upper = np.zeros((count, places)), np.zeros((count, places))
@@ -73,7 +73,7 @@ def _aggregate(
         cut = TNORMS[output.members[member].implication]
         active = np.flatnonzero(b > 0.0)
         some = np.flatnonzero(most[member] > 0.0)
-        # Elsewhere the cut set is 0, which leaves an aggregate as it is.
+        # Elsewhere the cut set is 0, which leaves an aggregate unchanged.
         where = np.ix_(active, some)
         cuts = (a[active, None], b[active, None])
         part = joined(cut, cuts, (least[member][None, some], most[member][None, some]))
@@ -97,9 +97,9 @@ class AggregateSamples:
     positions : ndarray
         The samples.
     weights : ndarray
-        What each counts in a sum.
+        Weight of each in a sum.
     sets : list of ndarray
-        For each member its degrees there.
+        Degrees of each member at the samples.
     """
 
     def __init__(self, output: OutputPlan) -> None:
@@ -117,7 +117,7 @@ class AggregateSamples:
         ]
 
     def bounds(self, strengths: Strengths) -> Interval:
-        """Return bounds of the heights, of the shape (boxes, samples)."""
+        """Return bounds of the heights, shape (boxes, samples)."""
         return _aggregate(self.output, strengths, self.sets, self.sets)
 
 
@@ -127,21 +127,20 @@ class AggregateSamples:
 class Panels:
     """The aggregate over panels of the range of an output.
 
-    Where sets are straight and the aggregation is max, the lines of a member are its chord
-    from below and the least of its lines (of which the cut set is the smallest) from above;
-    the largest of several is above the one that is largest in the middle, and below the
-    chord of the largest at the ends. Elsewhere the lines are level.
+    For piecewise linear sets under max, a member lies above its chord and below the lower of its
+    lines (a cut set is a minimum of lines); the maximum of several lies above the member that is
+    largest in the middle, and below the chord of the largest ends. Otherwise the lines are level.
 
     Parameters
     ----------
     output : OutputPlan
-        Of sets.
+        With sets as consequents.
     stop : Stop
         When to give up.
     level : bool
-        Whether the lines are level in any case.
+        Force level lines.
     peaks : bool
-        Whether single points count, which have no area.
+        Whether single points, without area, count.
 
     Attributes
     ----------
@@ -173,15 +172,15 @@ class Panels:
         )
 
     def _edges(self) -> list[float]:
-        """Return where the panels end: where sets begin, bend and end, and evenly between."""
+        """Return the ends of the panels: evenly spaced, and where sets begin, bend and end."""
         panels = PANELS if self.lined else LEVEL_PANELS
         return panel_edges(self.output, panels)
 
     def _lines(self, member: Member, pairs: list[tuple[float, float]]) -> Array:
-        """Return a straight set at both ends of every panel, from within."""
+        """Return a straight set's heights at both ends of every panel, as one-sided limits."""
         values = np.zeros((len(pairs), 2))
         for i, (a, b) in enumerate(pairs):
-            # Panels end where pieces end, so the middle tells the piece.
+            # Panels end where pieces end, so the middle identifies the piece.
             middle = 0.5 * (a + b)
             piece = next(p for p in member.pieces if p.x0 <= middle <= p.x1)
             slope = (piece.y1 - piece.y0) / (piece.x1 - piece.x0)
@@ -191,7 +190,7 @@ class Panels:
     def _levels(self, member: Member, pairs: list[tuple[float, float]], stop: Stop) -> Interval:
         """Return bounds of a set over every panel."""
         least, most = set_bounds(member, pairs, stop)
-        # Drastic: T(s, 1) = s and T(s, y < 1) = 0 for s < 1. A degree of 1 at a single point has no
+        # Drastic: T(s, 1) = s and T(s, y < 1) = 0 for s < 1. A single point of degree 1 has no
         # area.
         if TNORMS[member.implication].leaves_ones and not self.peaks:
             flat = plateaus(member.pieces)
@@ -200,7 +199,7 @@ class Panels:
         return least, most
 
     def bounds(self, strengths: Strengths) -> Interval:
-        """Return the lower and the upper line, of the shape (boxes, panels, 2)."""
+        """Return the lower and the upper line, shape (boxes, panels, 2)."""
         if not self.lined:
             level = _aggregate(self.output, strengths, self.least, self.most)
             lower, upper = (np.stack([array, array], -1) for array in level)
@@ -214,8 +213,8 @@ class Panels:
             if self.output.members[member].implication == "product":
                 under, over = a[:, None, None] * line, b[:, None, None] * line
             else:
-                # A minimum is concave on a panel: its chord is below it, and above it is either of
-                # the two that it is taken of; the one that is lower in the middle is closer.
+                # A minimum of lines is concave: its chord is a lower bound, either line an upper
+                # one; the line lower in the middle is the tighter one.
                 under = np.minimum(a[:, None, None], line)
                 middle = 0.5 * line.sum(axis=2, keepdims=True)
                 over = np.where(middle < b[:, None, None], line, b[:, None, None])
@@ -226,11 +225,11 @@ class Panels:
 
 
 class JoinedPanels(Panels):
-    """The union of sets that are joined by straight lines between samples.
+    """The union of sets interpolated linearly between samples.
 
-    Between two samples the union is joined as well, over all its vertices: what lies between two
-    straight lines stays there. A set that is cut at its strength has a vertex more where it passes
-    that; where none does, the union is one line from sample to sample.
+    Between two samples the union is interpolated over its vertices, which keeps it between two
+    lines. A set cut inside a cell has one more vertex at the cut; without such cuts the union is
+    one line from sample to sample.
     """
 
     def __init__(self, output: OutputPlan, stop: Stop) -> None:
@@ -254,7 +253,7 @@ class JoinedPanels(Panels):
         return lines.min(axis=1), lines.max(axis=1)
 
     def bounds(self, strengths: Strengths) -> Interval:
-        """Return the lower and the upper line, of the shape (boxes, cells, 2)."""
+        """Return the lower and the upper line, shape (boxes, cells, 2)."""
         bends = np.zeros((len(strengths[0][1][0]), len(self.edges) - 1), dtype=bool)
         for index, (a, b) in folded_where_max(self.output, strengths):
             member = self.output.members[index]
@@ -279,7 +278,7 @@ def panel_edges(output: OutputPlan, panels: int) -> list[float]:
 
 
 def set_bounds(member: Member, panels: Sequence[tuple[float, float]], stop: Stop) -> Interval:
-    """Return bounds of a set, hedges included, over each of the panels."""
+    """Return bounds of a set, hedges included, over each panel."""
     of_stretch = membership_bounder(member.term.shape)
     bounds = []
     for low, high in panels:

@@ -1,8 +1,8 @@
 """The two arithmetics of a proof: floats with a margin, and rationals.
 
-Every array of a proof is made by one of them, and the code over the arrays is the same: an
-array of rationals is a NumPy array of objects: of ``python-flint``, whose rationals are about five
-times as fast as the ``Fraction`` of Python.
+Every array of a proof is made by one of them, and the code over arrays is the same: rationals are
+objects in a NumPy array, those of ``python-flint``, about five times as fast as Python's
+``Fraction``.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-"""Of float64, or of rationals as objects."""
+"""An array of float64, or of rationals as objects."""
 
 
 class Arithmetic(NamedTuple):
-    """How a proof computes."""
+    """The arithmetic of a proof."""
 
-    exact: bool  # whether nothing is ever rounded
-    # From a Fraction to a number of its kind, the nearest where it rounds
+    exact: bool  # whether there is no rounding
+    # Converts a Fraction to a number of this arithmetic, the nearest one
     number: Callable[[Fraction], Any]
     name: str  # ``floats``, or the library of the rationals
 
@@ -52,7 +52,7 @@ FLOATS = Arithmetic(exact=False, number=float, name="floats")
 
 @cache
 def rationals() -> Arithmetic:
-    """Return exact arithmetic, by ``python-flint`` where it is installed."""
+    """Return exact arithmetic, by ``python-flint`` if installed."""
     try:
         from flint import fmpq
     except ImportError:
@@ -99,5 +99,5 @@ def sums_of_rows(rows: Array) -> Array:
 
 
 def any_of_rows(rows: Array) -> Array:
-    """Tell whether anything in each row is true."""
+    """Return whether each row has a true element."""
     return _folded(rows, np.logical_or)

@@ -1,14 +1,13 @@
 r"""Polynomials on simplices in Bernstein form, and the extremes of their quotients.
 
 On a simplex with vertices v₀ … v_d a polynomial of degree n is Σ b_α B_α with one coefficient
-for each multi-index α of d + 1 numbers that add up to n. The coefficients at the vertices are
+for each multi-index α with d + 1 entries and the sum n. The coefficients at the vertices are
 values, and all values lie between the smallest and the largest coefficient. So
 
     N / D ≤ c   wherever   N − c D has no coefficient above 0   and   D > 0.
 
-Halving an edge makes new coefficients by averages of the old ones (de Casteljau), and the
-bounds converge quadratically. Coefficients are found by evaluation at the lattice α / n and
-one fixed matrix; no symbol is ever handled.
+Halving an edge averages coefficients (de Casteljau), and the bounds converge quadratically.
+Coefficients follow from values at the lattice α / n by one fixed matrix; nothing is symbolic.
 
 Source: G. Farin, *Triangular Bernstein–Bézier patches*, 1986.
 """
@@ -39,7 +38,7 @@ from fuzzyarm.proof.stop import Stop, TimeOverError
 Index = tuple[int, ...]
 
 MARGIN = 3e-14
-"""Relative error of floats, of the added magnitudes: 130 roundings."""
+"""Error of floats relative to the sum of magnitudes: 130 roundings."""
 
 
 # ── the lattice and its matrices ─────────────────────────────────────────────────────
@@ -47,7 +46,7 @@ MARGIN = 3e-14
 
 @cache
 def lattice(dimension: int, degree: int) -> tuple[Index, ...]:
-    """Return the multi-indices of a degree; those of the vertices are its multiples."""
+    """Return the multi-indices of a degree; those of the vertices have one nonzero entry."""
 
     def spread(total: int, places: int) -> list[Index]:
         if places == 1:
@@ -73,7 +72,7 @@ def vertices_of(dimension: int, degree: int) -> tuple[int, ...]:
 
 @cache
 def _beside_vertices(dimension: int, degree: int) -> tuple[tuple[int, int, int], ...]:
-    """Return (vertex, another or the same, the coefficient one step from one to the other)."""
+    """Return (vertex, other vertex or itself, coefficient one step towards that)."""
     indices = lattice(dimension, degree)
     neighbours = []
     for near in range(dimension + 1):
@@ -87,7 +86,7 @@ def _beside_vertices(dimension: int, degree: int) -> tuple[tuple[int, int, int],
 
 @cache
 def barycentric(dimension: int, degree: int, *, exact: bool) -> Array:
-    """Return the lattice points as weights of the vertices: (points, vertices)."""
+    """Return the lattice points as weights of the vertices, shape (points, vertices)."""
     arithmetic = rationals() if exact else FLOATS
     return arithmetic.array(
         [[Fraction(a, degree) for a in index] for index in lattice(dimension, degree)]
@@ -98,7 +97,7 @@ _from_values: dict[tuple[int, int, bool], Array] = {}
 
 
 def from_values(dimension: int, degree: int, *, exact: bool, stop: Stop | None = None) -> Array:
-    """Return the matrix from values at the lattice to coefficients, which may take long."""
+    """Return the matrix from values at the lattice to coefficients; for high degrees slow."""
     key = dimension, degree, exact
     if key not in _from_values:
         _from_values[key] = _found_from_values(dimension, degree, stop or Stop(), exact=exact)
@@ -141,7 +140,7 @@ def _inverse(matrix: list[list[Fraction]], arithmetic: Arithmetic, stop: Stop) -
 
 @cache
 def halving(dimension: int, degree: int, first: int, second: int, *, exact: bool) -> Array:
-    """Return the matrix to the coefficients of the half in which `second` moves to the middle."""
+    """Return the matrix to coefficients of the half with `second` moved to the midpoint."""
     indices = lattice(dimension, degree)
     number = {index: i for i, index in enumerate(indices)}
     rows = [[Fraction(0)] * len(indices) for _ in indices]
@@ -165,21 +164,21 @@ class Quotients:
 
     upper: Array  # upper, lower: coefficients of N and of D; shape (simplices, coefficients)
     lower: Array
-    # How far those of D may be off; those of N by `reach` times as much. None: exact.
+    # Error of the coefficients of D; those of N have `reach` times as much. None: exact.
     error: Array | None
-    reach: float  # how large N / D may become where D is not 0
-    corners: Array  # the vertices, in shares of the cell; shape (simplices, vertices, inputs)
-    owner: Array  # the piece that each is a part of
+    reach: float  # largest N / D where D is not 0
+    corners: Array  # vertices in cell coordinates 0 … 1; shape (simplices, vertices, inputs)
+    owner: Array  # the piece of each simplex
     degree: int  # of both polynomials
 
     @property
     def exact(self) -> bool:
-        """Whether nothing is rounded."""
+        """Whether the numbers are exact."""
         return self.error is None
 
     @property
     def count(self) -> int:
-        """How many simplices there are."""
+        """Number of simplices."""
         return len(self.owner)
 
     def negated(self) -> Quotients:
@@ -189,7 +188,7 @@ class Quotients:
         )
 
     def take(self, which: Array) -> Quotients:
-        """Return some of the simplices."""
+        """Return selected simplices."""
         error = None if self.error is None else self.error[which]
         return Quotients(
             self.upper[which],
@@ -218,7 +217,7 @@ class Quotients:
     # ── bounds ───────────────────────────────────────────────────────────────────────
 
     def excess(self, bound: Any, stop: Stop) -> Array:
-        """Return the largest coefficient of N − bound D of each, errors added."""
+        """Return the largest coefficient of N − bound D for each simplex, plus errors."""
         if self.error is None:
             parts = [
                 greatest_of_rows(self.upper[part] - bound * self.lower[part])
@@ -231,8 +230,8 @@ class Quotients:
     def attained(self) -> tuple[Any, int, Array] | None:
         """Return the greatest value at a vertex, with the simplex and the position; or None.
 
-        Where D vanishes at a vertex, the limits along its edges count: the quotients of the
-        coefficients next to the vertex.
+        If D vanishes at a vertex, the limits along its edges count: quotients of the coefficients
+        next to the vertex.
         """
         dimension = self.corners.shape[2]
         top: tuple[Any, int, Array] | None = None
@@ -250,34 +249,34 @@ class Quotients:
             if top is None or values[best] > top[0]:
                 owner = int(rows[best])
                 a, b = self.corners[owner, near], self.corners[owner, far]
-                # A point next to the vertex, on the edge of the limit; the vertex itself where b is
-                # a.
+                # A point next to the vertex, on the edge of the limit; the vertex itself if b is a.
                 top = values[best], owner, a + (b - a) / 2**24
         return top
 
     def bound(self) -> float:
-        """Return a crude upper bound of N / D; infinite where D may vanish."""
+        """Return a crude upper bound of N / D; infinite if D may vanish."""
         if not self.count:
             return -np.inf
         upper, lower = self.upper.astype(float), self.lower.astype(float)
         error = np.zeros_like(lower) if self.error is None else self.error
         room = lower - error
         with np.errstate(all="ignore"):
-            # A numerator above 0 is largest over the least denominator, one below 0 over the most.
+            # A positive numerator is divided by the least denominator, a negative one by the
+            # largest.
             ratio = (upper + self.reach * error) / np.where(upper >= 0, room, lower + error)
         empty = (upper == 0) & (lower == 0) & (error == 0)
         ratio = np.where(empty, -np.inf, np.where(room > 0, ratio, np.inf))
         value = float(ratio.max())
-        # Rationals were rounded to floats, and so was their quotient: up to three times a half ulp.
+        # Two rationals and their quotient were rounded to floats: up to three half ulps.
         outward = value + abs(value) * 2.0**-51
         return float(np.nextafter(outward, np.inf)) if np.isfinite(outward) else value
 
     def without(self, pieces: Array) -> Quotients:
-        """Return the simplices that are not parts of some pieces."""
+        """Return the simplices outside the given pieces."""
         return self.take(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
 
     def touches(self, bound: Any) -> tuple[int, Array] | None:
-        """Return the piece and the position of a vertex at which N / D is a bound; or None."""
+        """Return the piece and the position of a vertex with N / D equal to a bound; or None."""
         for vertex, index in enumerate(vertices_of(self.corners.shape[2], self.degree)):
             at = (self.lower[:, index] > 0) & (self.upper[:, index] >= bound * self.lower[:, index])
             if at.any():
@@ -288,7 +287,7 @@ class Quotients:
     # ── refinement ───────────────────────────────────────────────────────────────────
 
     def halved(self, stop: Stop) -> Quotients:
-        """Return both halves of each, cut across the longest edge."""
+        """Return both halves of each simplex, cut across the longest edge."""
         shape = self.corners.astype(float)
         vertices = shape.shape[1]
         pairs = list(combinations(range(vertices), 2))
@@ -315,7 +314,7 @@ class Quotients:
 
 
 AT_ONCE = 500
-"""Simplices whose rationals are computed between two looks at the clock."""
+"""Simplices computed in rationals between two checks of the clock."""
 
 
 def _in_parts(count: int, stop: Stop) -> Iterator[slice]:
@@ -330,19 +329,19 @@ def _in_parts(count: int, stop: Stop) -> Iterator[slice]:
 class Extremum(NamedTuple):
     """A supremum between two bounds."""
 
-    reached: Any  # a value that is attained, or a limit; None if there is none
-    bound: Any  # bound of all values; None where there is no value
-    corner: Array | None  # Where, in shares of the cell of the piece
+    reached: Any  # an attained value, or a limit; None without one
+    bound: Any  # upper bound of all values; None without a value
+    corner: Array | None  # its position, in cell coordinates
     owner: int  # the piece
-    pieces: int  # how many simplices were looked at
+    pieces: int  # number of simplices examined
     left: Quotients  # the undecided pieces: none where `bound` is within the tolerance of `reached`
 
 
 MOST = 400_000
-"""Open simplices at one time; coefficients of more do not fit into memory."""
+"""Most open simplices at a time: the coefficients of more do not fit into memory."""
 
 SMALLEST = 1e-7
-"""Simplices with shorter edges, in shares of a cell, are given up: floats do not tell there."""
+"""Shortest edge, in cell coordinates: on smaller simplices floats decide nothing."""
 
 
 def maximise(
@@ -354,11 +353,11 @@ def maximise(
     decide: bool = False,
     smallest: float = SMALLEST,
 ) -> Extremum:
-    """Return the supremum of N / D, its `left` empty unless the search was given up.
+    """Return the supremum of N / D by branch and bound, `left` empty unless given up.
 
-    The bound is at most the tolerance above an attained value; `least` is one that is attained
-    elsewhere. With `decide` the search ends at the first that exceeds it. Simplices with edges
-    below `smallest`, in shares of a cell, are given up.
+    The bound is at most the tolerance above an attained value; `least` is one attained elsewhere.
+    With `decide` the search ends at the first value above it. Simplices with edges below
+    `smallest`, in cell coordinates, are given up.
     """
     best, corner, owner = least, None, -1
     count, waiting = quotients.count, quotients
@@ -391,7 +390,7 @@ def maximise(
 
 
 def _exceeds(value: float, bound: Any) -> bool:
-    """Tell whether a float, which may be infinite, is above a number of either arithmetic."""
+    """Return whether a float, possibly infinite, is above a number of either arithmetic."""
     return value > 0.0 if isinf(value) else as_fraction(value) > as_fraction(bound)
 
 
@@ -399,7 +398,7 @@ def _worth_halving(
     waiting: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
 ) -> tuple[Quotients, Quotients]:
     """Return the simplices that may exceed the attained value, and those too small to halve."""
-    # Without a value anywhere, only simplices without a value can be discarded.
+    # Before any value is attained, only simplices without a value can be discarded.
     keep = (
         any_of_rows(waiting.lower != 0)
         if best is None

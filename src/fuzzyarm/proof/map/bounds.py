@@ -1,4 +1,4 @@
-"""Results of a proof, and the widening of bounds: shared by pieces and boxes."""
+"""Results of a proof, and the widening of bounds, for pieces and boxes alike."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
 
 WIDENED = 1e-12
-"""Share of an output's range by which bounds that floats found are widened outward."""
+"""Outward widening of bounds from floats, as a share of the output's range."""
 
 GAP = 1e-8
-"""Default share of an output's range to which bounds are sought."""
+"""Default tolerance of bounds, as a share of the output's range."""
 
 LIKE_EXPECT = 1e-9
-"""Share of an output's range to which ``=``, ``odd`` and sectors hold, as ``expect`` lines do."""
+"""Tolerance of ``=``, ``odd`` and sectors, as of ``expect`` lines: a share of the range."""
 
 Point = dict[str, float]
 
 TABLE_ERROR = "worst reached at=at_worst pieces way"
-"""Properties in JSON of the bounds of a table's error."""
+"""JSON properties of the bounds of a table's error."""
 
 
 class UnprovableError(FuzzyarmError, ValueError):
-    """Nothing can be proved of a rule base or of one statement; the message names why."""
+    """Nothing can be proved about a rule base or a statement; the message has the reason."""
 
 
 class NothingFiresError(UnprovableError):
@@ -42,15 +42,15 @@ class Bounds(NamedTuple):
     reached_low, reached_high : float
         Attained values, or limits; NaN where nothing was evaluated.
     at_low, at_high : dict of str to float
-        Where, to the nearest floats.
+        Points of the attained values, as nearest floats.
     pieces : int
-        How many simplices or boxes were looked at.
+        Number of simplices or boxes examined.
     way : str
         ``exact`` (rationals), ``widened`` (floats, widened outward) or ``boxes``.
     complete : bool
-        Whether the bounds are within the tolerance of what is attained.
+        Whether the bounds are within the tolerance of attained values.
     hole : str
-        Where the output has no value, or why that is open; empty where it has one everywhere.
+        Where the output has no value, or why that is open; empty if it has one everywhere.
     """
 
     low: float
@@ -66,25 +66,25 @@ class Bounds(NamedTuple):
 
     @property
     def worst(self) -> float:
-        """No error of a table is larger."""
+        """Upper bound of the error's magnitude."""
         return max(self.high, -self.low)
 
     @property
     def reached(self) -> float:
-        """An error that is reached."""
+        """Largest attained magnitude of the error."""
         return max(self.reached_high, -self.reached_low)
 
     @property
     def at_worst(self) -> Point:
-        """Where an error is farthest from zero."""
+        """Point of the largest attained error."""
         return self.at_high if self.reached_high >= -self.reached_low else self.at_low
 
 
 class Missing(NamedTuple):
     """A point at which an output has no value of its own.
 
-    `silent` is whether no rule fires there, else it leaves its range; `held` whether it then keeps
-    its last value.
+    `silent`: no rule fires there; else the output leaves its range. `held`: it then keeps its last
+    value.
     """
 
     at: dict[str, Fraction]
@@ -94,9 +94,9 @@ class Missing(NamedTuple):
 
 
 class Claim(NamedTuple):
-    """The answer to whether a supremum is at most a bound.
+    """Whether a supremum is at most a bound.
 
-    `holds` is None where it stays open; `at` is where it fails, as exact numbers.
+    `holds` is None if undecided; `at` is a point of failure, as exact numbers.
     """
 
     holds: bool | None

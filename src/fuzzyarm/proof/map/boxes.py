@@ -1,13 +1,13 @@
-"""Bounds over boxes of the inputs: for every rule base that is not made of straight pieces.
+"""Bounds over boxes of the inputs, for rule bases that are not piecewise linear.
 
-Over a box every membership lies in an interval (of the polyline, or of the expression of its
-shape), so does every firing strength (norms and hedges are monotone), and the value lies where
-:mod:`fuzzyarm.proof.map.crisp` says for the lower and the upper aggregate. Boxes are halved until
-what cannot be decided is gone. The bounds are first order in the size of a box: sound, and slow
-where the output has a plateau. Where it jumps they are those on both sides of the jump.
+Over a box every membership lies in an interval (of its polyline, or of its shape's expression), so
+does every firing strength (norms and hedges are monotone), and the value has the bounds of
+:mod:`fuzzyarm.proof.map.crisp` for the lower and the upper aggregate. Boxes are halved until none
+is undecided. The bounds are first order in the size of a box: sound, and slow to converge on a
+plateau of the output. At a jump they contain both sides.
 
-An output that rules read (a chain) has bounds over the same boxes, which are stretches for those
-rules. That both depend on the same inputs is lost within a box, and found again as boxes get small.
+An output that other rules read (a chain) is bounded over the same boxes, as an interval of their
+input. The common dependence on the inputs is lost within a box, and recovered as boxes get small.
 
 Source: R. E. Moore, *Interval Analysis*, 1966.
 """
@@ -35,22 +35,22 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 
 COARSE = 1e-3
-"""Share of the range of the output to which boxes are refined where nothing else is said."""
+"""Default tolerance of the refinement, as a share of the output's range."""
 
 FINEST = 2.0**-12
-"""Share of the region below which boxes are not cut where the output jumps."""
+"""Smallest box at a jump of the output, as a share of the region."""
 
 MOST = 3_000_000
-"""Boxes looked at before the search is given up."""
+"""Most boxes of a search."""
 
 MOST_CHAINED = 100_000
-"""The same where rules read other outputs, whose bounds are found anew for each box."""
+"""The same for rules that read other outputs, which are bounded anew for each box."""
 
 MOST_TABLE_CORNERS = 4_096
-"""Corners of a cell between which a table interpolates, each looked up for every box."""
+"""Most corners of a table's cell, each looked up for every box."""
 
 AT_ONCE = 200_000
-"""Numbers of the aggregates of the boxes that are looked at together: they fit into the cache."""
+"""Numbers in the aggregates of the boxes of one batch: they fit into the cache."""
 
 
 class _Found(NamedTuple):
@@ -71,16 +71,16 @@ class Boxes:
     rulebase : RuleBase
         The model.
     output : str
-        Which output.
+        Name of the output.
     ends : sequence of (float, float)
         The box.
     stop : Stop
-        When to give up.
+        The time budget.
 
     Raises
     ------
     UnprovableError
-        If something in the rule base has no bounds over boxes; the message names it.
+        If part of the rule base has no bounds over boxes; the message names it.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class Boxes:
                 for target in rulebase.outputs
             ),
         )
-        # Outputs that the rules or values of this one read; there are no circles.
+        # Outputs read by the rules or values of this one; there are no cycles.
         self._chained = {
             name: Boxes(rulebase, name, ends, stop) for name in sorted(read_by(self.plan, output))
         }
@@ -112,18 +112,18 @@ class Boxes:
         self._bounds_of: Crisp = crisp(self.output, [*self.names, *self._chained], stop)
         self.most = MOST_CHAINED if self._chained else MOST
         self.chunk = max(16, AT_ONCE // self._bounds_of.width)
-        self.tried = 16 if self.output.integrated else 256  # boxes at whose corners it is evaluated
+        self.tried = 16 if self.output.integrated else 256  # boxes evaluated at their corners
         low, high = self.output.output.low, self.output.output.high
         self.range = high - low if math.isfinite(high - low) else 1.0
 
     @property
     def says_no_rule(self) -> bool:
-        """Whether there is a number where no rule fires."""
+        """Whether the output is a number where no rule fires."""
         no_rule = self.output.output.no_rule
         return isinstance(no_rule, int | float) and not math.isnan(no_rule)
 
     def over(self, ends: Sequence[tuple[float, float]], stop: Stop) -> Boxes:
-        """Return the same over another box; cached bounds of sets and terms stay valid."""
+        """Return the same for another box; cached bounds of sets and terms stay valid."""
         other = copy(self)
         other.ends, other.stop = ends, stop
         other._chained = {name: boxes.over(ends, stop) for name, boxes in self._chained.items()}
@@ -136,7 +136,7 @@ class Boxes:
         return self._both(self._value_bounds, self._values, gap, [[] for _ in self.names])
 
     def at_most(self, bound: float, *, negated: bool) -> tuple[bool, int]:
-        """Tell whether the output (or minus the output) is at most a bound; False: unknown."""
+        """Return whether the output (or its negative) is proved at most a bound, and the boxes."""
 
         def over(low: Array, high: Array) -> Interval:
             a, b = self._value_bounds(low, high)
@@ -146,7 +146,7 @@ class Boxes:
         return search.complete, search.boxes
 
     def table(self, table: Any, mode: str, gap: float) -> Bounds:
-        """Return bounds of table minus output, with the output's sign."""
+        """Return bounds of table minus output."""
         if mode == "linear" and 1 << len(self.names) > MOST_TABLE_CORNERS:
             raise UnprovableError(f"a cell of the table has 2^{len(self.names)} corners")
         axes = {axis.name: axis for axis in table.axes}
@@ -180,7 +180,7 @@ class Boxes:
     def silent(self, *, valued: bool) -> dict[str, Fraction] | None:
         """Return a point at which no rule fires; None if some rule fires everywhere.
 
-        `valued`: at which there is no value, for what fires leaves no area either.
+        `valued`: a point without a value, which includes firing rules without area.
         """
         low, high = self._first([[] for _ in self.names])
         count = 0
@@ -210,7 +210,7 @@ class Boxes:
         return None
 
     def _without_value(self, low: Array, high: Array) -> list[float] | None:
-        """Return a middle of the largest boxes where inference itself gives no value."""
+        """Return the midpoint of a box among the largest at which inference has no value."""
         if self.says_no_rule or not len(low):
             return None
         largest = np.argsort((high - low).prod(axis=1))[-self.tried :]
@@ -219,7 +219,7 @@ class Boxes:
         return points[silent[-1]].tolist() if silent.size else None
 
     def _judge(self, low: Array, high: Array, *, valued: bool) -> tuple[Array, Array]:
-        """Tell where a rule fires all over a box, and where none does anywhere in it."""
+        """Return in which boxes a rule fires everywhere, and in which none fires anywhere."""
         low, high, undecided = self._with_chained(low, high)
         strengths = self._strengths(low, high, undecided)
         if not valued:
@@ -241,7 +241,7 @@ class Boxes:
             return -b, -a
 
         tolerance = gap if gap >= 1e-7 * self.range else COARSE * self.range
-        # Where time runs out both ends have a bound all the same.
+        # Both ends have a bound even if time runs out.
         high = self.over(self.ends, self.stop.half())._search(over, at, tolerance, positions)
         low = self._search(below, lambda points: -at(points), tolerance, positions)
         widen = WIDENED * self.range
@@ -270,7 +270,7 @@ class Boxes:
         low, high = self._first(positions)
         best, where = -math.inf if least is None else least, {}
         closed_top, count = best, 0
-        tops = np.full(len(low), math.inf)  # what is not reached in time keeps that of its parent
+        tops = np.full(len(low), math.inf)  # in time or of the parent
         while len(low):
             count += len(low)
             for start in range(0, len(low), self.chunk):
@@ -308,7 +308,7 @@ class Boxes:
         return _Found(max(closed_top, best), best, where, count, complete=True)
 
     def _first(self, positions: Sequence[Sequence[float]]) -> tuple[Array, Array]:
-        """Return the box cut at corners of terms (where they are few) and at given points."""
+        """Return the box cut at corners of terms (if few) and at given points."""
         cuts: list[list[float]] = []
         for variable, (low, high), extra in zip(
             self.plan.rulebase.inputs, self.ends, positions, strict=True
@@ -334,7 +334,7 @@ class Boxes:
         return lows, highs
 
     def _is_fine(self, low: Array, high: Array) -> bool:
-        """Tell whether boxes are too small to gain anything by cutting them."""
+        """Return which boxes are too small to gain from cutting."""
         if self._bounds_of.jumps and float(((high - low) / self._spans).max()) < FINEST:
             return True
         return float((high - low).max()) < 1e-10 * self.range
@@ -354,7 +354,7 @@ class Boxes:
         return np.concatenate([low, second_low]), np.concatenate([first_high, high])
 
     def _values(self, points: Array) -> Array:
-        """Return the output at points; NaN where it has none."""
+        """Return the output at points; NaN without a value."""
         from fuzzyarm.inference import infer
 
         inputs = {name: points[:, i] for i, name in enumerate(self.names)}
@@ -374,13 +374,13 @@ class Boxes:
             most = np.clip(most, output.low, output.high)
         least, most = np.where(nothing, np.inf, least), np.where(nothing, -np.inf, most)
         if isinstance(output.no_rule, int | float) and may_lack.any():
-            value = float(output.no_rule)  # which is not brought into the range
+            value = float(output.no_rule)  # not clamped to the range
             least = np.where(may_lack, np.fmin(least, value), least)
             most = np.where(may_lack, np.fmax(most, value), most)
         return np.where(undecided, -np.inf, least), np.where(undecided, np.inf, most)
 
     def _with_chained(self, low: Array, high: Array) -> tuple[Array, Array, Array]:
-        """Return boxes with bounds of the outputs read, and where one may have none (to be cut)."""
+        """Return boxes with bounds of the outputs read, and which may have none (to be cut)."""
         undecided = np.zeros(len(low), dtype=bool)
         columns: list[Interval] = []
         for boxes in self._chained.values():
@@ -402,7 +402,7 @@ class Boxes:
         )
 
     def _strengths(self, low: Array, high: Array, undecided: Array) -> list[tuple[int, Interval]]:
-        """Return (member, bounds of its firing strength) of each rule: anything in open boxes."""
+        """Return (member, bounds of its firing strength) for each rule: [0, 1] in open boxes."""
         degrees = self._degrees.over(low, high)
         intervals: dict[int, Interval] = {}
         intervals_of_members = []

@@ -1,8 +1,8 @@
-r"""Bounds of a centroid between two memberships: the one routine of proofs and of type-2 sets.
+r"""Bounds of a centroid between two memberships, for proofs and for type-2 sets alike.
 
-Let the membership lie between two curves, L ≤ μ ≤ U. Its centroid is greatest for the μ that
-is L on the left of some c and U on the right of it, and c is that centroid (Karnik and
-Mendel). So c is the root of
+Let the membership lie between two curves, L ≤ μ ≤ U. Its centroid is greatest for μ = L on the
+left of some c and μ = U on the right of it, and c is that centroid (Karnik and Mendel). So c is the
+root of
 
     F(c) = ∫_{y<c} (y − c) L(y) dy + ∫_{y>c} (y − c) U(y) dy,
 
@@ -12,7 +12,7 @@ iterates are inner bounds: the bracket outside is returned. The least centroid i
 of the mirrored curves. Sums over samples or numbers are the same with weights for lines;
 there the greatest over all switch points is exact.
 
-Where L and U themselves are only known to lie between two curves, L₀ ≤ L ≤ L₁ and U₀ ≤ U ≤ U₁,
+If L and U themselves lie between two curves, L₀ ≤ L ≤ L₁ and U₀ ≤ U ≤ U₁,
 F rises with both: the right end lies between the roots of F for (L₁, U₀) and for (L₀, U₁). So
 the ends of the centroid of an interval type-2 set have bounds from four curves.
 
@@ -33,16 +33,16 @@ Interval = tuple[Array, Array]
 """Lower and upper bounds."""
 
 _STEPS = 60
-"""Most steps inside a panel; Newton's take five, halving takes over where they do not."""
+"""Most steps inside a panel; Newton takes five, else bisection takes over."""
 
 
 def centroid_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
     """Return the least and the greatest centroid of memberships between two curves.
 
-    Edges of panels, shape (n + 1,), increase. The curves, shape (..., n, 2), are at the left and
-    the right end of each panel, from within, and straight between. Rounded outward by about 1e-13
-    of the range. Where `lower` is 0 everywhere the ends of what `upper` covers; NaN where that is 0
-    too.
+    Edges of panels, shape (n + 1,), increase. The curves, shape (..., n, 2), have their one-sided
+    limits at the left and right end of each panel, and are linear between. Rounded outward by about
+    1e-13 of the range. If `lower` is 0 everywhere: the ends of the support of `upper`; NaN if that
+    is 0 too.
     """
     _, greatest = _brackets(edges, lower, upper)
     _, least = _brackets(*mirrored(edges, lower, upper))
@@ -55,8 +55,8 @@ def ends_of_centroid_bounds(
 ) -> tuple[Interval, Interval]:
     """Return bounds of both ends of the centroid of a set between two uncertain curves.
 
-    Curves are bounds of those in :func:`centroid_bounds`. Returned are the least and the greatest
-    left end, and right end, rounded outward; NaN where nothing can have an area.
+    Curves are bounds of those in :func:`centroid_bounds`. Returned are bounds of the left end and
+    of the right end, rounded outward; NaN without any area.
     """
 
     def last(edges: Array, low: Interval, high: Interval) -> Interval:
@@ -81,14 +81,14 @@ def mirrored(edges: Array, *curves: Array) -> tuple[Array, ...]:
 
 
 def _brackets(edges: Array, lower: Array, upper: Array) -> Interval:
-    """Return bounds of the last position at which F is above 0, for any two curves."""
+    """Return bounds of the last position with F > 0, for any two curves."""
     area_lower, moment_lower = _integrals(edges, lower)
     area_upper, moment_upper = _integrals(edges, upper)
-    # Left of each edge by the lower curve, right of it by the upper one.
+    # Integrals left of each edge by the lower curve, right of it by the upper one.
     left_area, left_moment = sums_from_left(area_lower), sums_from_left(moment_lower)
     right_area, right_moment = sums_from_right(area_upper), sums_from_right(moment_upper)
     slope = left_moment - edges * left_area + right_moment - edges * right_area
-    # F falls: the last edge at which it is above 0 is the left end of the panel.
+    # F falls: the last edge with F > 0 is the left end of the panel.
     panel = np.clip((slope > 0.0).sum(axis=-1) - 1, 0, len(edges) - 2)
 
     def pick(values: Any) -> Array:
@@ -112,7 +112,7 @@ def _root(
     upper_left: Array,
     upper_right: Array,
 ) -> Interval:
-    """Find where F changes its sign inside a panel, from both sides."""
+    """Bracket the sign change of F inside a panel from both sides."""
     width = right - left
     low, high = left.copy(), right.copy()
     c = 0.5 * (low + high)
@@ -150,13 +150,13 @@ def _integrals(edges: Array, curve: Array) -> tuple[Array, Array]:
 
 
 def sums_from_left(values: Array) -> Array:
-    """Return the sums left of each edge."""
+    """Return the sums to the left of each edge."""
     total = np.cumsum(values, axis=-1)
     return np.concatenate([np.zeros_like(total[..., :1]), total], axis=-1)
 
 
 def sums_from_right(values: Array) -> Array:
-    """Return the sums right of each edge."""
+    """Return the sums to the right of each edge."""
     total = np.cumsum(values[..., ::-1], axis=-1)[..., ::-1]
     return np.concatenate([total, np.zeros_like(total[..., :1])], axis=-1)
 
@@ -166,8 +166,8 @@ def average_bounds(
 ) -> tuple[Array, Array]:
     """Return the least and the greatest weighted average of numbers with weights between bounds.
 
-    Numbers and weights, none negative, have bounds of shape (..., n). Exact up to rounding, then
-    widened by 1e-13 of the numbers; NaN where all weights are 0.
+    Bounds of numbers and of weights, none negative, have the shape (..., n). Exact up to rounding,
+    then widened by 1e-13 of the numbers; NaN if all weights are 0.
     """
 
     def highest(numbers: Array) -> Array:
@@ -190,17 +190,17 @@ def average_bounds(
 def ends_of_average_bounds(
     least: Interval, greatest: Interval, lower: Interval, upper: Interval
 ) -> tuple[Interval, Interval]:
-    """Return bounds of both ends of an average of numbers whose weights lie between uncertain ends.
+    """Return bounds of both ends of an average of numbers with weights between uncertain ends.
 
-    The ends of numbers and weights have bounds of shape (..., n). Returned are the least and the
-    greatest left end, and right end, widened by 1e-13 of the numbers; NaN where all weights are 0.
+    Bounds of the ends of numbers and weights have the shape (..., n). Returned are bounds of the
+    left end and of the right end, widened by 1e-13 of the numbers; NaN if all weights are 0.
     """
     first, last = average_bounds(least[0], greatest[1], lower[0], upper[1])
     can_count = upper[1] > 0.0
     nothing = ~can_count.any(axis=-1)
 
     def inner(numbers: Array) -> Array:
-        """Return the position reached by the certain weights; the end comes after it."""
+        """Return the position reached by the certain weights; the end lies beyond it."""
         whole = np.broadcast_to(numbers, can_count.shape)
         return np.where(nothing, np.nan, _last_above(whole, lower[1], upper[0], can_count))
 
@@ -208,13 +208,13 @@ def ends_of_average_bounds(
 
 
 def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Array:
-    """Return a lower bound of the root of F for weights on the left and on the right of it."""
+    """Return a lower bound of the root of F, from the weights to its left and to its right."""
     order = np.argsort(numbers, axis=-1, kind="stable")
     x, low, high, counts = (
         np.take_along_axis(array, order, -1) for array in (numbers, left, right, can_count)
     )
     scale = 1e-13 * np.abs(x).max(axis=-1)
-    # Behind the number k: the weights on its left, its own included, and on its right.
+    # Beyond number k: the weights to its left, its own included, and to its right.
     area = sums_from_left(low)[..., 1:] + sums_from_right(high)[..., 1:]
     moment = sums_from_left(low * x)[..., 1:] + sums_from_right(high * x)[..., 1:]
     above = moment - x * area > scale[..., None] * area

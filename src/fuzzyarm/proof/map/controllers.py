@@ -1,9 +1,9 @@
 """The static part of a controller: ranges, limits, gains and sectors of its drives.
 
-Between what it measures or remembers and its drives a controller is a map without memory: sums
-and products, rule bases, tables. Its *sources* (errors, rates, integrals …) count as
-independent. The lines are walked in order (:mod:`fuzzyarm.proof.map.walk`), once for each question;
-what cannot be proved says why.
+From its measurements and its memory to its drives a controller is a static map: sums and products,
+rule bases, tables. Its *sources* (errors, rates, integrals …) count as independent. The lines are
+walked in order (:mod:`fuzzyarm.proof.map.walk`), once for each question; an unproved property has a
+reason.
 """
 
 from __future__ import annotations
@@ -41,23 +41,23 @@ from fuzzyarm.proof.map.walk import Asked, AxisLines, LineWalk, source_name
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 
-# ── what is found ────────────────────────────────────────────────────────────────────
+# ── results ──────────────────────────────────────────────────────────────────────────
 
 
 @dataclass(frozen=True)
 class DriveGain:
-    """How a drive grows with one source at the origin.
+    """The gain of a drive by one source at the origin.
 
     Attributes
     ----------
     source : str
-        As ``error of position``, ``rate of error of position``, ``integral of …``.
+        Such as ``error of position``, ``rate of error of position``, ``integral of …``.
     low, high : float
-        Slopes to both sides, all other sources at 0: the gain of a linear law.
+        Slopes to both sides, other sources at 0: the gain of a linear law.
     least, most : float
-        Slopes of all pieces that meet at the origin.
+        Bounds of the slopes of all pieces around the origin.
     unit : str
-        Of the drive by that of the source; empty where it is not certain.
+        Unit of the drive by that of the source; empty if uncertain.
     """
 
     source: str
@@ -70,21 +70,21 @@ class DriveGain:
 
 @dataclass(frozen=True)
 class DriveSector:
-    """Between which multiples of σ a drive lies, the sources that are not in σ at 0.
+    """The sector of a drive over σ, with sources outside σ at 0.
 
     Attributes
     ----------
     weights : dict of str to float
-        Of the sources in σ: 1 for one source; for several the gains of the linear law, so
-        that σ is what that would drive.
+        Of the sources in σ: 1 for one source; for several the gains of the linear law, so that σ is
+        its drive.
     low : float
-        The gain k₁: the drive is at least so many times σ.
+        The gain k₁: the drive is at least k₁ σ (for σ > 0).
     high : float
-        The gain k₂: and at most so many times.
+        The gain k₂: and at most k₂ σ.
     within : dict of str to (float, float)
-        Of the sources: the intervals on which it holds.
+        Intervals of the sources on which the sector holds.
     slack : float
-        By so much the drive may leave the sector, in its own units.
+        Allowed excess of the drive over the sector, in its own units.
     """
 
     weights: Mapping[str, float]
@@ -102,28 +102,29 @@ class DriveProof:
     Attributes
     ----------
     axis, port : str
-        Which.
+        The drive.
     unit : str
         Of the drive.
     low, high : float
-        Its range, limits included.
+        Range of the drive after limits.
     free : (float, float)
-        Its range without the limits.
+        Range of the drive before limits.
     limits : (float, float) or None
-        Of the text, or of the plant's actuator; None without any.
+        Limits of the text or of the plant's actuator; None without any.
     reached : str
-        ``never``, ``yes``, or ``open`` where the range goes beyond the limits and no point was
-        found; empty without limits.
+        ``never``, ``yes``, or ``open`` if the range exceeds the limits and no point was found;
+        empty without limits.
     at : dict of str to float
         Sources at which a limit is reached.
     gains : tuple of DriveGain
-        Of the linear law at the origin, by ports.
+        Gains of the linear law at the origin, by ports.
     sectors : tuple of DriveSector
         Along each source, then along the linear law.
     open : tuple of str
         Unproved properties, with reasons.
     hole : str
-        Where it is not a number, or why that is open: then its range is not proved. Else empty.
+        Where the drive is not a number, or why that is open: then its range is not proved. Else
+        empty.
     """
 
     axis: str
@@ -146,11 +147,11 @@ class DriveProof:
         return f"{self.axis}.{self.port}"
 
 
-# ── one axis on trial ─────────────────────────────────────────────────────────────────
+# ── one axis ───────────────────────────────────────────────────────────────────────────
 
 
 class _AxisCase:
-    """One axis on trial."""
+    """The proof of one axis."""
 
     def __init__(self, lines: AxisLines, site: Site | None) -> None:
         self.lines = lines
@@ -221,7 +222,7 @@ class _AxisCase:
 
     @staticmethod
     def _limited(drives: Sequence[tuple[Drive, SignalLaw]], farthest: float) -> SignalLaw:
-        """Return the drives: limits held, lines of a port added; σ goes to ± `farthest`."""
+        """Return the drive: limits applied, lines of a port added; σ goes to ± `farthest`."""
         total = constant(0.0)
         for line, law in drives:
             limits = None if line.within is None else Interval(*line.within)
@@ -229,7 +230,7 @@ class _AxisCase:
         return total
 
     def _by_ports(self, law: SignalLaw, unit: Unit | None) -> tuple[DriveGain, ...]:
-        """Return gains by ports: those of rates and integrals through what they are made of."""
+        """Return gains by ports: rates and integrals through their signals."""
         by_port: dict[str, list[Any]] = {}
         assert isinstance(law.gains, dict)
         assert isinstance(law.around, dict)
@@ -256,11 +257,11 @@ class _AxisCase:
         """Yield the parts of a source: name by ports, gain, unit."""
         of, inner = self.lines.definitions[source]
         kind, reach = of.record, self.sources.get(source)
-        # Of what is not linear the slopes of its signal are not its own.
+        # A nonlinear source does not pass the slopes of its signal on.
         if not kind.linear or kind.ports or inner is None or isinstance(inner.gains, str):
             yield source, ONE, None if reach is None else reach.unit
             return
-        apart = source.removeprefix(source_name(of))  # options, where another one has others
+        apart = source.removeprefix(source_name(of))  # options, if another source has others
         for below, gain in inner.gains.items():
             for name, share, unit in self._expanded(below):
                 both = combine("multiply", gain, share)
@@ -286,7 +287,7 @@ class _AxisCase:
             gaps.append(f"sectors: the drive is {_short(law.rest)} where every source is 0")
             return
         gains = _notable(law.gains)
-        level = [name for name, gain in law.gains.items() if gain == NOTHING]  # as at a step
+        level = [name for name, gain in law.gains.items() if gain == NOTHING]  # flat: a step
         for source in (*gains, *level):
             stretches = dict.fromkeys((zones[source], self.sources[source].at))
             for stretch in stretches:
@@ -329,7 +330,7 @@ class _AxisCase:
         first: LineWalk,
         zones: Mapping[str, Interval],
     ) -> tuple[str, dict[str, float]]:
-        """Tell whether a limit can be reached, and where."""
+        """Return whether a limit can be reached, and where."""
         if limits is None:
             return "", {}
         if limits.low < free.low and free.high < limits.high:
@@ -341,7 +342,7 @@ class _AxisCase:
                 dict(zip(ends, combination, strict=True))
                 for combination in combinations(*ends.values())
             ]
-        near = LIKE_EXPECT * max(abs(limits.low), abs(limits.high))  # touched is reached
+        near = LIKE_EXPECT * max(abs(limits.low), abs(limits.high))  # a touched limit is reached
         for point in points:
             value = self._drive_at(port, point)
             if value.low >= limits.high - near or value.high <= limits.low + near:
@@ -356,7 +357,7 @@ class _AxisCase:
     def _drive_at(
         self, port: str, point: Mapping[str, float], *, limited: bool = False
     ) -> Interval:
-        """Return bounds of a drive at such a point: a signal of another axis has its range."""
+        """Return bounds of a drive at such a point: signals of other axes have their ranges."""
         self.lines.only_values = True
         try:
             at = {name: Interval(x, x) for name, x in point.items()}
@@ -379,7 +380,7 @@ def _cut_off(law: SignalLaw, limits: Interval, farthest: float) -> SignalLaw:
         gains = around = "the drive is at a limit at rest"
     if isinstance(along, Interval) and not inside(law.at, limits):
         if limits.low < 0.0 < limits.high:
-            # A limited signal is still as large as the nearer limit, at the farthest σ.
+            # At the farthest σ a limited signal is still as large as the nearer limit.
             least = min(-limits.low, limits.high) / farthest if farthest else 0.0
             along = Interval(
                 min(along.low, least) if along.low > 0.0 else along.low,
@@ -392,7 +393,7 @@ def _cut_off(law: SignalLaw, limits: Interval, farthest: float) -> SignalLaw:
 
 
 def _notable(gains: Gains) -> Gains:
-    """Return gains without those that cancelled except for their rounding."""
+    """Return gains without those that are rounding errors of a cancellation."""
     most = max((largest(gain) for gain in gains.values()), default=0.0)
     return {name: gain for name, gain in gains.items() if largest(gain) > 1e-15 * most}
 
@@ -407,12 +408,12 @@ def sampled_drive(
     text: ControllerText, proof: DriveProof, along: DriveSector, plant: Plant | None = None,
     connect: Mapping[str, str] | None = None, points: int = 2000,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return σ and the drive at points of a sector, a tenth of them if along one source."""
+    """Return σ and the drive at points of a sector; along one source a tenth of `points`."""
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     case = _AxisCase(AxisLines(text, site, proof.axis, Stop(), {}), site)
     ends = list(along.within.values())
     count = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
-    if count ** len(ends) > 4 * points:  # even three along each of many sources are too many
+    if count ** len(ends) > 4 * points:  # three along each of many sources are too many
         low, high = np.array(ends).T
         where = np.random.default_rng(0).uniform(low, high, (points, len(ends)))
     else:
@@ -433,7 +434,7 @@ def prove_drives(
     budget: float = math.inf,
     tell: Callable[[str, int, float], None] | None = None,
 ) -> list[DriveProof]:
-    """Prove what the static part of a controller does.
+    """Prove ranges, limits, gains and sectors of a controller's static part.
 
     Parameters
     ----------
@@ -441,11 +442,11 @@ def prove_drives(
         With its rule bases and tables.
     plant : Plant, optional
         Its ports have the ranges of errors and measured values; by default the shipped plant with
-        the controller's axes, if there is one. What nothing bounds is unbounded.
+        the controller's axes, if there is one. Other signals are unbounded.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        Port of the plant for each name of the controller that differs.
     budget : float
-        Seconds for each axis; what is not proved by then is left open.
+        Seconds for each axis; properties not proved by then stay open.
     tell : callable, optional
         Called with the axis, the number of open pieces and the gap between the bounds.
 

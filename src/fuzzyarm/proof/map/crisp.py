@@ -1,9 +1,9 @@
 """From bounds of firing strengths to bounds of the crisp value.
 
-An output is made of numbers, of samples, of sets, or of sets joined between samples; of interval
-type 2 of both readings of them. What they have between bounds are curves over panels, sums of
-weighted numbers, or humps of maxima. Of each there are bounds of the numbers that a defuzzifier may
-take (:mod:`fuzzyarm.symbolic.defuzzifiers`), and its value is an expression of these.
+An aggregate consists of numbers, of samples, of sets, or of sets interpolated between samples; for
+interval type 2 of an upper and a lower one. Its bounds are curves over panels, sums of weighted
+numbers, or humps of maxima. These bound the figures of the aggregate that a defuzzifier uses
+(:mod:`fuzzyarm.symbolic.defuzzifiers`), and the value is an expression of the figures.
 """
 
 from __future__ import annotations
@@ -44,32 +44,31 @@ from fuzzyarm.symbolic.evaluation import bounds
 from fuzzyarm.symbolic.kinds import SHAPES, DefuzzifierKind
 
 Valued = tuple[Array, Array, Array]
-"""Bounds of a value, NaN where there is none in a box, and where there may be none."""
+"""Bounds of a value, NaN for boxes without one, and flags of boxes that may have points without."""
 
 
 # ── aggregates by defuzzifier ────────────────────────────────────────────────────────
 
 Figures = dict[str, Interval]
-"""Bounds of numbers that an aggregate has, by name; NaN where there are none."""
+"""Bounds of an aggregate's figures, by name; NaN for none."""
 
 
 class BoundingMethod(NamedTuple):
-    """How what a defuzzifier takes of an aggregate is bounded."""
+    """The routines that bound a defuzzifier's figures of an aggregate."""
 
-    # From the edges of panels and, for each side of the set, its lower and upper curve
+    # From the edges of panels, and the lower and upper curve of each side of the set
     curves: Callable[..., Figures] | None = None
-    # From the bounds of the least and the greatest value of numbers and, for each side, the bounds
-    # of their weights
+    # From bounds of the least and the greatest value of numbers, and bounds of their weights for
+    # each side
     sums: Callable[..., Figures] | None = None
-    # From samples and bounds of their heights, where the sampling ``midpoints`` has a definition of
-    # its own
+    # From samples and bounds of their heights, if the sampling ``midpoints`` has its own definition
     midpoints: Callable[..., Interval] | None = None
-    # From the humps of maxima, for each of the numbers
+    # From the humps of maxima, for each figure
     humps: Mapping[str, Callable[[Humps], Interval]] = MappingProxyType({})
 
 
 def _centroid(edges: Array, *sides: Interval) -> Figures:
-    """Return the centroid of a set, or of the sum of both of them (Nie and Tan)."""
+    """Return the centroid of a set, or of the sum of both sides (Nie and Tan)."""
     lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
     return {"centroid": centroid_bounds(edges, lower, upper)}
 
@@ -90,7 +89,7 @@ def _weighted(least: Interval, greatest: Interval, weights: Interval) -> Figures
 
 
 def _average(least: Interval, greatest: Interval, weights: Interval) -> Figures:
-    """Return the average of numbers that may be unbounded, as the ends of a sigmoid are."""
+    """Return the average of numbers, possibly unbounded, such as the ends of a sigmoid."""
     low, high = least[0], greatest[1]
     finite = [np.where(np.isfinite(end), end, 0.0) for end in (low, high)]
     bottom, top = average_bounds(finite[0], finite[1], *weights)
@@ -135,16 +134,16 @@ WAYS: dict[str, BoundingMethod] = {
     "average": BoundingMethod(sums=_average),
     "sum": BoundingMethod(sums=_weighted),
 }
-"""By kind; for interval type 2 the first side is the upper set."""
+"""Routines by kind; for interval type 2 the first side is the upper set."""
 
 
 def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
-    """Return bounds of the value of a defuzzifier from those of the numbers that it is made of."""
+    """Return bounds of a defuzzifier's value from bounds of its figures."""
     if record.figure:
         return figures[record.figure]
     figure_bounds = [figures[name] for name in record.symbols]
     nothing = np.isnan(figure_bounds[0][0])
-    if record.rises:  # as the floats do that inference computes: no rounding turns them round
+    if record.rises:  # inference's floats rise with it too: no rounding reverses the order
         low, high = (record.array(*(figure[side] for figure in figure_bounds)) for side in (0, 1))
         return np.where(nothing, np.nan, low), np.where(nothing, np.nan, high)
     values = np.full((2, len(nothing)), np.nan)
@@ -166,7 +165,7 @@ class Crisp:
     Attributes
     ----------
     width : int
-        How many numbers a box takes.
+        Numbers needed per box.
     jumps : bool
         Whether the value jumps.
     """
@@ -181,7 +180,7 @@ class Crisp:
         raise NotImplementedError
 
     def value(self, figures: Figures) -> Interval:
-        """Return bounds of the value from those of the numbers that it is made of."""
+        """Return bounds of the value from bounds of the figures."""
         return value_bounds(self.output.record, figures)
 
     def from_humps(self, humps: Humps) -> Interval:
@@ -191,7 +190,7 @@ class Crisp:
         )
 
     def sides(self, strengths: Strengths) -> list[Strengths]:
-        """Return the strengths of the upper and of the lower set; of type 1 all of them."""
+        """Return the strengths of the upper and the lower set; of type 1 all of them."""
         sides_of_members = self.output.sides
         if not sides_of_members:
             return [strengths]
@@ -245,7 +244,7 @@ class _OfSamples(Crisp):
         ]
         may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
         positions = self.samples.positions
-        # The sampled bisector with midpoints takes the nearest sample, which sums do not bound.
+        # The sampled bisector with midpoints takes the nearest sample, which is not a sum.
         if self.nearest:
             half = self.nearest(positions, *weighted[UPPER])
             return *self.value({"half": half}), may_lack
@@ -255,7 +254,7 @@ class _OfSamples(Crisp):
 
 
 class _OfPlaces(Crisp):
-    """Sets of which the maxima count."""
+    """Sets, by their maxima."""
 
     def __init__(self, output: OutputPlan, way: BoundingMethod, stop: Stop) -> None:
         super().__init__(output, way)
@@ -268,7 +267,7 @@ class _OfPlaces(Crisp):
 
 
 class _OfNumbers(Crisp):
-    """Numbers: constants, linear forms, formulas, and sets that are inverted (Tsukamoto)."""
+    """Numbers: constants, linear forms, formulas, and inverted sets (Tsukamoto)."""
 
     def __init__(self, output: OutputPlan, way: BoundingMethod, names: Sequence[str]) -> None:
         super().__init__(output, way)
@@ -339,17 +338,17 @@ class _OfNumbers(Crisp):
             a, b = coefficient * low[:, i], coefficient * high[:, i]
             least, most = least + np.minimum(a, b), most + np.maximum(a, b)
             size = size + np.maximum(np.abs(a), np.abs(b))
-        # Each product and sum rounds by 2⁻⁵³ of its size; 1e-14 covers some dozens of them.
+        # Each product and sum rounds by 2⁻⁵³ of its magnitude; 1e-14 covers dozens of them.
         return least - 1e-14 * size, most + 1e-14 * size
 
     def _inverted(self, member: Member, strength: Interval) -> Interval:
-        """Return between which positions a monotone set reaches a strength.
+        """Return bounds of the position at which a monotone set reaches a strength.
 
-        The position rises or falls with the strength. Where a set only tends to 0 or to 1, there
-        is no first or last one.
+        The position rises or falls with the strength. A set that only tends to 0 or to 1 has no
+        first or last one.
         """
         degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
-        # Boxes share their ends: each degree is inverted once.
+        # Boxes share ends: each degree is inverted once.
         distinct, back = np.unique(np.stack(degrees), return_inverse=True)
         at = np.array([self._positions(member, share) for share in distinct.tolist()])
         values = at[back.reshape(2, -1)]
@@ -360,7 +359,7 @@ class _OfNumbers(Crisp):
         return (values - slack).min(axis=(0, 2)), (values + slack).max(axis=(0, 2))
 
     def _positions(self, member: Member, degree: float) -> tuple[float, float]:
-        """Return where a set reaches a degree, and where inference says so: not at infinity."""
+        """Return the exact position of a degree, and that of inference, which is finite."""
         position = tsukamoto_position(self.output, member, degree)
         shape = member.term.shape
         inverse = SHAPES[shape.kind].position_of
@@ -370,6 +369,6 @@ class _OfNumbers(Crisp):
 
 
 def _columns(intervals: Any) -> Interval:
-    """Return intervals over boxes, one for each column, as arrays of the shape (boxes, columns)."""
+    """Return intervals over boxes, one per column, as arrays of shape (boxes, columns)."""
     least, most = zip(*intervals, strict=True)
     return np.stack(least, axis=1), np.stack(most, axis=1)

@@ -1,4 +1,4 @@
-"""Proved differences of two rule bases, beside the found ones."""
+"""Proved differences of two rule bases, beside the sampled ones."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.stop import Stop
 
 SECONDS = 10.0
-"""How long the proof of one output may take."""
+"""Time budget for one output."""
 
 
 def with_proofs(
     before: RuleBase, after: RuleBase, found: Sequence[Apart], *, seconds: float = SECONDS
 ) -> tuple[Apart, ...]:
-    """Return differences with what they nowhere exceed, where that is proved in some seconds."""
+    """Return differences with proved upper bounds, if the time suffices."""
     outputs = paired(before.outputs, after.outputs, "output")
     inputs = [one for one, _ in paired(before.inputs, after.inputs, "input")]
-    if inputs != list(before.inputs):  # pieces have the inputs of both in one order
+    if inputs != list(before.inputs):  # pieces need the inputs of both in one order
         return tuple(found)
     return tuple(
         replace(each, proved=_proved(before, after, (one.name, two.name), seconds))

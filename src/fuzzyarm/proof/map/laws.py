@@ -1,7 +1,7 @@
 """A signal as a function of its sources: range, slopes, multiples of a sum.
 
-A :class:`SignalLaw` goes through sums, products and tables; ranges and multiples are rounded
-outward, slopes are the nearest floats.
+A :class:`SignalLaw` propagates through sums, products and tables; ranges and multiples are rounded
+outward, slopes to nearest.
 """
 
 from __future__ import annotations
@@ -31,28 +31,28 @@ Gains = dict[str, Interval]
 class SignalLaw:
     """A signal as a function of the sources."""
 
-    at: Interval  # at, rest: all its values; its value where every source is 0
+    at: Interval  # at, rest: its range; its value with every source at 0
     rest: Interval
     # gains, around: slopes at the origin along each source alone, and over all pieces there; or why
-    # not
+    # there are none
     gains: Gains | str
     around: Gains | str
-    # Its weights, where it is a weighted sum of sources and nothing else
+    # Its weights, if it is a weighted sum of sources
     linear: dict[str, float] | None
-    along: Interval | str  # between which multiples of σ it lies; or why not
-    slack: float = 0.0  # by so much it may leave those
-    # Where it is not a number, or why that is open; empty where it is one everywhere
+    along: Interval | str  # its sector over σ; or why it has none
+    slack: float = 0.0  # allowed excess over the sector
+    # Where it is not a number, or why that is open; empty if it is one everywhere
     hole: str = ""
 
     @property
     def constant(self) -> float | None:
-        """Its value, where it is a number."""
+        """Its value, if constant."""
         fixed = self.gains == {} and self.at.low == self.at.high == self.rest.low
         return self.at.low if fixed else None
 
 
 def outward(at: Interval) -> Interval:
-    """Widen by one rounding; 0 is exact, as a product with 0 and as a difference of equals."""
+    """Widen by one rounding; 0 is exact, as a product with 0 or a difference of equals."""
     return Interval(
         at.low and math.nextafter(at.low, -math.inf), at.high and math.nextafter(at.high, math.inf)
     )
@@ -128,7 +128,7 @@ def plus(a: SignalLaw, b: SignalLaw) -> SignalLaw:
 
 
 def times(a: SignalLaw, b: SignalLaw) -> SignalLaw:
-    """Return the product of two laws; where both are multiples of σ, the narrower one counts."""
+    """Return the product of two laws; if both are multiples of σ, the narrower sector counts."""
     for one, other in ((a, b), (b, a)):
         if one.constant is not None:
             return scaled(other, one.constant)
@@ -166,18 +166,18 @@ def over(a: SignalLaw, b: SignalLaw) -> SignalLaw:
 
 
 def unknown(at: Interval, why: str) -> SignalLaw:
-    """Return a law of which only the range is known."""
+    """Return a law with a known range only."""
     return SignalLaw(at, at, why, why, None, why)
 
 
 # ── curves ────────────────────────────────────────────────────────────────────────────
 
 PARTS = 256
-"""Of a range, on each of which the ratio of a curve to its input is bounded."""
+"""Parts of a range, on each of which the ratio of a curve to its input is bounded."""
 
 
 def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
-    """Return a law applied after a curve, an expression over ``x``."""
+    """Return a law after a curve, an expression over ``x``."""
     at, rest = outward(_values(root, law.at)), _values(root, law.rest)
     operations = [node.operation for node in postorder(root) if isinstance(node, Apply)]
     jump = next((operation for operation in operations if operation in JUMPS), None)
@@ -202,11 +202,11 @@ JUMPS = frozenset(
         *(name for name, operation in OPERATIONS.items() if operation.partials is None),
     }
 )
-"""Operations that may jump: choices, conditions and steps; slopes of some do not show it."""
+"""Operations that may jump: choices, conditions and steps; not all show it in their slopes."""
 
 
 def _slopes(root: Node, rest: Interval) -> Interval:
-    """Return the slopes of a curve to both sides of a point, or on an interval."""
+    """Return the slopes of a curve on both sides of a point, or on an interval."""
     slope = derivative(root, "x")
     if rest.low < rest.high:
         return _bounds(slope, {"x": rest})
@@ -223,7 +223,7 @@ def _values(root: Node, at: Interval) -> Interval:
 
 
 def _bounds(root: Node, ranges: Mapping[str, Interval]) -> Interval:
-    """Return the values of an expression, rounded outward as :func:`combined` does it."""
+    """Return the values of an expression, rounded outward as in :func:`combined`."""
 
     def applied(node: Apply, arguments: list[Interval]) -> Interval:
         operation = OPERATIONS[node.operation]
@@ -234,14 +234,14 @@ def _bounds(root: Node, ranges: Mapping[str, Interval]) -> Interval:
 
 
 def _sides(at: Interval) -> Interval:
-    """Widen by one rounding, 0 too: both sides of a corner are in it."""
+    """Widen by one rounding, 0 too: it then contains both sides of a corner."""
     return Interval(math.nextafter(at.low, -math.inf), math.nextafter(at.high, math.inf))
 
 
 def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
-    """Return between which multiples of x a curve through 0 lies.
+    """Return the sector over x of a curve through 0.
 
-    Its slopes say it everywhere; away from 0 its values do, part by part.
+    Slopes bound it everywhere; away from 0 values do, part by part.
     """
     whole = _bounds(slope, {"x": Interval(min(at.low, 0.0), max(at.high, 0.0))})
     if not math.isfinite(largest(at)):
@@ -254,8 +254,8 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
             if not overlap(here, at).low <= overlap(here, at).high:
                 continue
             interval = _bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
-            # The mean value theorem: y(x)/x is a slope between 0 and x. Dividing values says more,
-            # but not in the part that touches 0.
+            # Mean value theorem: y(x)/x is a slope between 0 and x. Quotients of values are
+            # tighter, except in the part at 0.
             if part:
                 interval = overlap(interval, combined("divide", _bounds(root, {"x": here}), here))
             low, high = min(low, interval.low), max(high, interval.high)
@@ -303,7 +303,7 @@ def _table_slope(
     if mode != "linear":
         return None if x in axis.thresholds(mode) else NOTHING
     here = float(table.lookup(*rest))
-    # From an end outward a table is constant.
+    # Beyond its ends a table is constant.
     values = [0.0] if not axis.levels[0] < x < axis.levels[-1] else []
     for level in _beside(axis.levels, x):
         point = [*rest]
@@ -313,7 +313,7 @@ def _table_slope(
 
 
 def _beside(levels: Sequence[float], x: float) -> list[float]:
-    """Return the next level on either side."""
+    """Return the neighbouring level on either side."""
     below, above = [y for y in levels if y < x], [y for y in levels if y > x]
     return [*below[-1:], *above[:1]]
 
@@ -321,14 +321,14 @@ def _beside(levels: Sequence[float], x: float) -> list[float]:
 def _table_sector(
     table: LookupTable, rest: Sequence[float], number: int, at: Interval
 ) -> Interval | str:
-    """Return the least and the greatest value by input along one input, 0 where that is 0."""
+    """Return the least and the greatest ratio of value to input along one input; 0 for 0."""
     axis, mode = table.axes[number], table.default_mode
     slope = _table_slope(table, rest, number, mode)
     if slope is None or float(table.lookup(*rest)) != 0.0:
         return f"the table is not 0 around {axis.name} = 0"
     turns = axis.levels if mode == "linear" else axis.thresholds(mode)
     ends = [x for x in (at.low, at.high, *turns) if at.low <= x <= at.high and x]
-    # Between two turns value / x is monotone: y = a + b x gives a/x + b. Far away it goes to 0.
+    # Between two levels value / x is monotone: y = a + b x gives a/x + b. Far away it tends to 0.
     finite = [x for x in ends if math.isfinite(x)]
     ratios = [slope.low, slope.high]
     for x in finite:
@@ -345,18 +345,18 @@ def _table_sector(
 
 
 def only_value(at: Interval) -> float:
-    """Return the value of an interval of one; NaN of others."""
+    """Return the value of a point interval; NaN of others."""
     return at.low if at.low == at.high else math.nan
 
 
 def clipped(at: Interval, limits: Interval) -> Interval:
-    """Return an interval after limits have held."""
+    """Return an interval after limits."""
     low = min(max(at.low, limits.low), limits.high)
     return Interval(low, max(low, min(at.high, limits.high)))
 
 
 def snapped(at: Interval, universe: Interval) -> Interval:
-    """Return the reachable part of a universe; an end that is almost reached is included."""
+    """Return the reachable part of a universe; an almost reached end is included."""
     slack = 1e-9 * (universe.high - universe.low)
     low, high = clipped(at, universe)
     if at.low < at.high:
@@ -366,6 +366,6 @@ def snapped(at: Interval, universe: Interval) -> Interval:
 
 
 def inside(at: Interval, universe: Interval) -> bool:
-    """Tell whether an interval is in another, except for rounding."""
+    """Return whether an interval is in another, except for rounding."""
     slack = 1e-9 * (universe.high - universe.low)
     return universe.low - slack <= at.low and at.high <= universe.high + slack

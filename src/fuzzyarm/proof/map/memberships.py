@@ -1,7 +1,7 @@
-"""Interval degrees: memberships over stretches, and norms and hedges of degrees between bounds.
+"""Interval degrees: memberships over intervals, and norms and hedges of bounded degrees.
 
-Norms rise with both operands and every built-in hedge rises or falls, so the ends of the intervals
-give the ends. Everything is rounded outward by :data:`SLACK`.
+Norms rise with both operands and every built-in hedge is monotone, so ends of intervals map to
+ends. All results are rounded outward by :data:`SLACK`.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from fuzzyarm.symbolic.evaluation import bounds, has_value, specialise
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, TNORMS, Norm
 
 SLACK = 4e-15
-"""Share by which degrees are widened for the rounding of norms."""
+"""Relative widening of degrees for the rounding of norms."""
 
 PARTS = 4
-"""Parts of a stretch over which a curved membership is bounded."""
+"""Parts of an interval over which a curved membership is bounded."""
 
 Interval = tuple[Array, Array]
 """Lower and upper bounds, one for each box."""
@@ -37,7 +37,7 @@ def widened(least: Array, most: Array) -> Interval:
 
 
 def joined(norm: Norm, one: Interval, other: Interval) -> Interval:
-    """Return bounds of the norm of two degrees, which rises with both."""
+    """Return bounds of a norm of two degrees, which rises with both."""
     least, most = norm.array(one[0], other[0]), norm.array(one[1], other[1])
     if norm is TNORMS["bounded"]:  # the sum loses operands below its last bit
         least = np.maximum(least - SLACK, 0.0)
@@ -46,7 +46,7 @@ def joined(norm: Norm, one: Interval, other: Interval) -> Interval:
 
 
 def hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
-    """Return bounds of hedged degrees: every built-in hedge rises or falls."""
+    """Return bounds of hedged degrees: every built-in hedge is monotone."""
     for hedge in reversed(hedges):
         numbers = () if hedge.exponent is None else (hedge.exponent,)
         ends = [
@@ -58,14 +58,13 @@ def hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
     return degree
 
 
-# ── memberships over stretches ───────────────────────────────────────────────────────
+# ── memberships over intervals ───────────────────────────────────────────────────────
 
 
 class Degrees:
-    """Bounds of memberships over stretches, each found once.
+    """Bounds of memberships over intervals, each computed once.
 
-    The stretches of `others`, after those of `names`, differ from box to box: they
-    are not remembered.
+    The intervals of `others`, after those of `names`, differ from box to box and are not cached.
     """
 
     def __init__(
@@ -119,7 +118,7 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
-        # A few parts: an expression with x in it twice has wide bounds over a long stretch.
+        # Parts: an expression with x twice has wide bounds over a long interval.
         expression, parts = specialise(record.expression, numbers), PARTS
 
     def of_stretch(low: float, high: float) -> tuple[float, float]:
@@ -130,14 +129,14 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
         if math.isnan(least + most):
             return 0.0, shape.height
         if shape.kind == "formula" and not has_value(expression, {"x": (low, high)}):
-            least = min(0.0, least)  # which its degree is where it has none
+            least = min(0.0, least)  # its degree where undefined
         return max(0.0, least - SLACK), min(shape.height, most + SLACK)
 
     return of_stretch
 
 
 def membership_over(shape: Shape, low: Array, high: Array) -> Interval:
-    """Return the bounds of a membership over one stretch for each box."""
+    """Return the bounds of a membership over one interval per box."""
     if shape.kind == "formula" or not SHAPES[shape.kind].straight:
         of_stretch = membership_bounder(shape)
         ends = np.array([of_stretch(float(a), float(b)) for a, b in zip(low, high, strict=True)])

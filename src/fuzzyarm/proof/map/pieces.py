@@ -1,17 +1,17 @@
 """The inputs of a rule base cut into simplices on which every height is affine.
 
 1. Each input is cut at the corners of its terms, at the levels at which the aggregate of the
-   output changes form, and at the caller's cuts (levels of a table). A cell is one stretch
-   of each input; within it every membership is a straight line of one input. Positions are
-   kept as shares of the cell, 0 to 1, so that no slope is steep.
+   output changes form, and at the caller's cuts (levels of a table). A cell is one interval
+   of each input; within it every membership is linear in one input. Positions are in cell
+   coordinates, 0 to 1, so that no slope is steep.
 2. A cell falls into d! simplices (Kuhn); cells whose memberships run the other way are
-   mirrored, so that the cuts of the next step mostly fall on edges that are there already.
-3. Wherever a minimum or a maximum of two heights, or a layer of the aggregate, is not decided
-   on a simplex, it is cut there: a new vertex on one edge, two simplices for one, until no
-   simplex has both signs among its vertices.
+   mirrored, so that the cuts of the next step mostly fall on existing edges.
+3. A simplex with an undecided minimum or maximum of two heights, or layer of the aggregate, is
+   cut there: a new vertex on one edge, two simplices for one, until no simplex has both signs
+   among its vertices.
 
-Then heights are affine, the area has degree 2 and the moment degree 3 at most. Everything
-runs over all simplices at once, rule by rule, in floats or in rationals alike.
+Then heights are affine, the area has at most degree 2 and the moment degree 3. All simplices are
+processed at once, rule by rule, in floats or in rationals.
 
 Source of the triangulation: H. W. Kuhn, *Some combinatorial lemmas in topology*, 1960.
 """
@@ -46,21 +46,21 @@ from fuzzyarm.proof.map.straight import (
 from fuzzyarm.proof.stop import Stop
 
 MOST_PIECES = 2_000_000
-"""Simplices of one cut."""
+"""Most simplices of one cut."""
 
 MOST_NUMBERS = 200_000_000
-"""Numbers of all simplices together, corners, heights and slopes: 1.6 GB in floats."""
+"""Most numbers in all simplices, corners, heights and slopes: 1.6 GB in floats."""
 
 FEW_LEVELS = 3
-"""With more levels of the aggregate than this, cutting the inputs at all of them costs more
-cells than cutting single simplices where a height passes one."""
+"""Most levels of the aggregate at which inputs are cut; with more it is cheaper to cut single
+simplices where a height passes a level."""
 
 SAME = 4e-15
-"""By how much two heights (0 to 1) may differ and floats still take them for equal."""
+"""Largest difference of two heights (0 to 1) that floats take for equal."""
 
 
 class TooManyPiecesError(FuzzyarmError, ValueError):
-    """A rule base falls into more pieces than are handled."""
+    """A rule base has too many pieces."""
 
     def __init__(self, count: int, most: int) -> None:
         counted = f" ({count:,} and counting)" if count < 10**9 else ""
@@ -68,24 +68,23 @@ class TooManyPiecesError(FuzzyarmError, ValueError):
 
 
 class Cell(NamedTuple):
-    """A stretch of one input; of no width where a term has its own value at one point."""
+    """An interval of one input; a point where a term has a separate value."""
 
     left: Fraction
     right: Fraction
 
 
 class Cut(NamedTuple):
-    """The box of the inputs, and cuts besides those at corners."""
+    """The box of the inputs, and further cuts."""
 
-    box: tuple[tuple[Fraction, Fraction], ...]  # the stretch of each input
+    box: tuple[tuple[Fraction, Fraction], ...]  # the interval of each input
     positions: tuple[Sequence[Fraction], ...] = ()  # further cuts of each input
-    # Whether the heights at the opposite point (each input with the other sign) are needed too:
-    # columns after the others
+    # Whether to add the heights at the opposite point (inputs negated), in columns after the others
     mirrored: bool = False
-    form: tuple[Fraction, ...] = ()  # weights of a sum of the inputs; pieces are cut where it is 0
-    # Another rule base over the same inputs whose heights are needed, too: columns after the others
+    form: tuple[Fraction, ...] = ()  # weights of a sum of the inputs; pieces are cut at its zeros
+    # Another rule base over the same inputs, with its heights in columns after the others
     other: Straight | None = None
-    # Whether what is compared with the rules jumps just above each of `positions`
+    # Whether the function compared with the rules jumps just above each of `positions`
     steps: bool = False
 
 
@@ -93,8 +92,8 @@ class System(NamedTuple):
     """Heights over the pieces: of the rule base, at the opposite point, or of another rule base."""
 
     model: Straight  # the rule base
-    shift: int  # where its propositions begin
-    first: int  # where its columns begin
+    shift: int  # index of its first proposition
+    first: int  # index of its first column
 
 
 def _systems_of(model: Straight, region: Cut) -> tuple[System, ...]:
@@ -116,14 +115,14 @@ class PieceGrid:
     cells : list of list of Cell
         For each input.
     ends : list of (Array, Array)
-        For each proposition: its membership at the left and the right ends of the cells of
-        its input, from within. Those of the second system come after the others.
+        For each proposition: one-sided limits of its membership at the left and right ends of the
+        cells of its input. Those of the second system come after the others.
     inputs : list of int
         The input of each proposition.
     jumps : list of bool
         For each input, whether a membership jumps within the box.
     opened : list of ndarray of bool, shape (cells, 2)
-        For each input, whether its cells are without their left and right ends: a membership has
+        For each input, whether its cells exclude their left and right ends: a membership has
         another value there.
     """
 
@@ -175,7 +174,7 @@ class PieceGrid:
             if before is not None:
                 opened[-1][1] = at != before
             sides = (before,) if x in steps else (before, after)
-            if at not in sides:  # a value that neither side has, or with a table only this point
+            if at not in sides:  # a value unlike both sides, or with a table this point only
                 cells.append(Cell(x, x))
                 opened.append([False, False])
                 for (number, _), value in zip(mine, at, strict=True):
@@ -195,7 +194,7 @@ def _mirrored(corners: Corners) -> Corners:
 
 
 def _levels_of(model: Straight) -> tuple[Fraction, ...]:
-    """Return the heights at which the aggregate changes form, where they are few."""
+    """Return the heights at which the aggregate changes form, if few."""
     if model.form is None:
         return ()
     layers = [layer for layers in model.form.set_layers for layer in layers]
@@ -224,7 +223,7 @@ def _cuts(
 
 
 def _line_between(corners: Corners, a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return the heights of a line at both ends of a stretch without corners, from within."""
+    """Return the one-sided limits of a line at both ends of an interval without corners."""
     if a < corners[0][0] or b <= corners[0][0]:
         return corners[0][1], corners[0][1]
     if a >= corners[-1][0]:
@@ -240,7 +239,7 @@ def _line_between(corners: Corners, a: Fraction, b: Fraction) -> tuple[Fraction,
 
 
 class _Affine(NamedTuple):
-    """A height on some simplices: its values at the vertices and its slopes along the inputs."""
+    """A height on some simplices: values at the vertices, slopes along the inputs."""
 
     values: Array
     slopes: Array
@@ -254,17 +253,17 @@ class Pieces:
     grid : PieceGrid
         The cells.
     corners : ndarray, shape (pieces, vertices, inputs)
-        The vertices, in shares of the cell.
+        The vertices, in cell coordinates.
     cell : ndarray of int, shape (pieces, inputs)
         The cell of each input.
     heights : ndarray, shape (pieces, vertices, columns)
-        Of every column.
+        The heights of every column.
     slopes : ndarray, shape (pieces, inputs, columns)
-        Of the heights, for a share of the cell.
+        Of the heights, by cell coordinates.
     doubtful : ndarray of bool
-        Where floats could not tell which of two heights with different slopes is higher.
+        Pieces on which floats could not order two heights with different slopes.
     count : int
-        How many pieces there are.
+        Number of pieces.
     """
 
     def __init__(
@@ -291,7 +290,7 @@ class Pieces:
         flat = np.arange(count) if only is None else np.asarray(only)
         cells = np.stack(np.unravel_index(flat, numbers), axis=1)
         self.count = count * len(orders)
-        # Longer than they need be, so that cutting a few pieces does not copy all of them.
+        # Allocated with reserve, so that cutting a few pieces does not copy all of them.
         self._cell = np.repeat(cells, len(orders), axis=0)
         self._corners = self._simplices(cells, orders)
         self._heights = arithmetic.zeros(self.count, dimension + 1, columns)
@@ -305,7 +304,7 @@ class Pieces:
 
     @property
     def corners(self) -> Array:
-        """The vertices, in shares of the cell."""
+        """The vertices, in cell coordinates."""
         return self._corners[: self.count]
 
     @property
@@ -315,12 +314,12 @@ class Pieces:
 
     @property
     def slopes(self) -> Array:
-        """The slopes of the heights, for a share of the cell."""
+        """The slopes of the heights, by cell coordinates."""
         return self._slopes[: self.count]
 
     @property
     def doubtful(self) -> Array:
-        """Where floats could not tell two heights with different slopes apart."""
+        """Pieces on which floats could not order two heights with different slopes."""
         return self._doubtful[: self.count]
 
     def _demand_few(self, count: int) -> None:
@@ -341,7 +340,7 @@ class Pieces:
 
     @property
     def flat_cells(self) -> Array:
-        """The number of the cell of each piece, as `only` takes it."""
+        """The flat index of each piece's cell, as in `only`."""
         numbers = [len(cells) for cells in self.grid.cells]
         return np.asarray(np.ravel_multi_index(tuple(self.cell.T), numbers))
 
@@ -351,7 +350,7 @@ class Pieces:
         return self.arithmetic.array([c.right - c.left for c in cells])[self.cell[:, which]]
 
     def position(self, owner: int, corner: Array) -> list[Fraction]:
-        """Return the inputs at a share of the cell of a piece."""
+        """Return the inputs at a point in cell coordinates of a piece."""
         from fuzzyarm.proof.map.arithmetic import as_fraction
 
         positions = []
@@ -361,7 +360,7 @@ class Pieces:
         return positions
 
     def holds(self, which: Array, shares: Array) -> Array:
-        """Tell of points, in shares of their cells, whether no membership jumps away there."""
+        """Return at which points, in cell coordinates, no membership jumps away."""
         held = np.ones(len(which), dtype=bool)
         for i, opened in enumerate(self.grid.opened):
             ends = opened[self.cell[which, i]]
@@ -370,8 +369,8 @@ class Pieces:
 
     def _simplices(self, cells: Array, orders: Array) -> Array:
         count, dimension = cells.shape
-        # Kuhn: each simplex is a walk from one corner of the cell to the opposite one, axis by axis
-        # in one of d! orders; its vertices are the d + 1 corners on the way.
+        # Kuhn: each simplex is a walk between opposite corners of the cell, axis by axis in one of
+        # d! orders; its vertices are the d + 1 corners on the walk.
         turn = orders.argsort(axis=1)  # the step at which each axis is walked
         unit = np.arange(dimension + 1)[None, :, None] > turn[:, None, :]
         shape = np.tile(unit, (count, 1, 1))
@@ -384,7 +383,7 @@ class Pieces:
         return values
 
     def _runs_backwards(self, axis: int) -> Array:
-        """Tell the cells with reversed memberships, so that diagonals of neighbours meet."""
+        """Return the cells with reversed memberships, so that diagonals of neighbours meet."""
         ends = [e for i, e in zip(self.grid.inputs, self.grid.ends, strict=True) if i == axis]
         marks = []
         for cell in range(len(self.grid.cells[axis])):
@@ -397,9 +396,9 @@ class Pieces:
     # ── the rules, one after the other ───────────────────────────────────────────────
 
     def fire(self) -> None:
-        """Fill in the heights rule by rule, cutting wherever a height has a kink.
+        """Fill in the heights rule by rule, cutting at every kink of a height.
 
-        Products of memberships have no columns: they are formed where they are asked for.
+        Products of memberships have no columns: they are formed on demand.
         """
         for system in self.systems:
             for rule in () if system.model.multiplies else system.model.rules:
@@ -443,7 +442,7 @@ class Pieces:
             self.slopes[which, :, first + column] = highest.slopes
 
     def may_fire(self, node: StraightAntecedent, shift: int) -> Array:
-        """Tell the pieces in whose cells an antecedent may be above 0."""
+        """Return the pieces in whose cells an antecedent may be above 0."""
         if node.kind == "is":
             number = node.proposition + shift
             left, right = self.grid.ends[number]
@@ -458,7 +457,7 @@ class Pieces:
     def _truth(
         self, node: StraightAntecedent, which: Array, shift: int, undecided: list[Array]
     ) -> _Affine:
-        """Return an antecedent on some pieces; note the comparisons to decide, innermost first."""
+        """Return an antecedent on some pieces; collect undecided comparisons, innermost first."""
         dimension = self.corners.shape[2]
         if node.kind == "is":
             number = node.proposition + shift
@@ -490,7 +489,7 @@ class Pieces:
         which: Array,
         undecided: list[Array],
     ) -> _Affine:
-        """Return two operands under their norm; note the comparison to decide between them."""
+        """Return two operands under their norm; collect the comparison that decides."""
         if node.kind in {"bounded and", "bounded or"}:  # max(0, a + b − 1) and min(1, a + b)
             one = self.arithmetic.number(Fraction(1))
             limit = one if node.kind == "bounded or" else one - one
@@ -503,7 +502,7 @@ class Pieces:
         return self._chosen(first, second, which, largest=largest)
 
     def _chosen(self, first: _Affine, second: _Affine, which: Array, *, largest: bool) -> _Affine:
-        """Return the larger or the smaller of two heights that do not cross inside a piece."""
+        """Return the larger or smaller of two heights that do not cross inside a piece."""
         gap = first.values - second.values
         values = (np.maximum if largest else np.minimum)(first.values, second.values)
         takes_first = (sums_of_rows(gap) >= 0) == largest
@@ -550,7 +549,7 @@ class Pieces:
     # ── cutting ──────────────────────────────────────────────────────────────────────
 
     def form_at(self, weights: Sequence[Fraction], which: Array, shares: Array) -> Array:
-        """Return Σ wᵢ xᵢ at points of pieces: `shares` has (pieces, points, inputs)."""
+        """Return Σ wᵢ xᵢ at points of pieces; `shares` has the shape (pieces, points, inputs)."""
         number = self.arithmetic.number
         total = self.arithmetic.zeros(*shares.shape[:2])
         for axis, weight in enumerate(weights):
@@ -571,11 +570,11 @@ class Pieces:
         )
 
     def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
-        """Cut pieces until none of the differences has both signs on one; return them all."""
+        """Cut pieces until no difference has both signs on one; return all pieces."""
         parts: list[Array] = []
         while which.size:
             self.stop.check(self.count)
-            # The first that is mixed is cut at first: the later ones are affine only once it is
+            # The first mixed difference is cut first: later ones are affine only once it is
             # decided.
             differences = undecided_on(which)
             cuts = np.full(len(which), -1)
@@ -606,7 +605,7 @@ class Pieces:
         self.count = end
         for values in (self._corners, self._heights):
             a, b = values[which, above], values[which, below]
-            # The new vertex replaces `below` in the new piece, and `above` in the old one.
+            # The new vertex replaces `below` in the new piece, `above` in the old one.
             middle = a + share[:, None] * (b - a)
             values[start:end] = values[which]
             values[start + rows, below] = middle
@@ -630,10 +629,10 @@ def cut(
     only: Array | None = None,
     stop: Stop | None = None,
 ) -> Pieces:
-    """Cut a rule base, its antecedents without products, into pieces with affine heights.
+    """Cut a rule base without products in antecedents into pieces with affine heights.
 
-    `only` are numbers of cells (:attr:`Pieces.flat_cells`), all by default. TooManyPiecesError if
-    there are more than :data:`MOST_PIECES`, or than fit into memory; TimeOverError.
+    `only`: indices of cells (:attr:`Pieces.flat_cells`), all by default. Raises TooManyPiecesError
+    beyond :data:`MOST_PIECES` or the memory, and TimeOverError.
     """
     pieces = Pieces(model, what, arithmetic, only, stop)
     pieces.fire()

@@ -1,9 +1,9 @@
-"""Where an aggregate that lies between two bounds may have its maximum, as humps.
+"""Positions of the maximum of an aggregate between two bounds, as humps.
 
-Under the aggregation max it is the maximum of the sets that are cut highest. A straight set has
-humps whose ends follow from the level at which it is cut; of a curved one every panel of the range
-is a hump. Under the other aggregations it is between the first and the last place at which the
-upper bound reaches what the lower one has at its highest.
+Under the aggregation max they are the maxima of the sets with the highest cut. A piecewise linear
+set has humps whose ends follow from the level of its cut; for a curved one every panel of the range
+is a hump. Under other aggregations the maximum is between the first and the last position at which
+the upper bound reaches the maximum of the lower one.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Placed = tuple[Humps, Array]
 
 
 class Places:
-    """Where the aggregate of one output may be greatest."""
+    """The maxima of one output's aggregate."""
 
     width: int
 
@@ -48,7 +48,7 @@ class Places:
 
 
 def places(output: OutputPlan, stop: Stop) -> Places:
-    """Return the function that finds the maxima of an output of sets."""
+    """Return the object that locates the maxima of an output of sets."""
     sampled = output.output.defuzzifier.resolution is not None
     if output.output.aggregation == "max":
         samples = AggregateSamples(output) if sampled else None
@@ -59,7 +59,7 @@ def places(output: OutputPlan, stop: Stop) -> Places:
 
 
 def humps_of_numbers(least: Array, greatest: Array, lower: Array, upper: Array) -> Humps:
-    """Return the humps of numbers between bounds: the heaviest of them."""
+    """Return the humps of numbers between bounds: those with the largest weight."""
     leading = lower.max(axis=1, keepdims=True) * (1.0 - TIE)
     can_be = (upper > 0.0) & (upper >= leading)
     alone = can_be.sum(axis=1, keepdims=True) == 1
@@ -68,7 +68,7 @@ def humps_of_numbers(least: Array, greatest: Array, lower: Array, upper: Array) 
 
 
 class _OfAll(Places):
-    """Any aggregation: from the first place that may be the highest to the last one."""
+    """Any aggregation: from the first to the last position that may be the highest."""
 
     def __init__(self, aggregate: AggregateSamples | Panels) -> None:
         self.aggregate, self.width = aggregate, aggregate.width
@@ -92,29 +92,29 @@ class _OfAll(Places):
         return Humps(left, right, right, left, can_be, never, none, none + 1, left), lead
 
 
-# ── the sets that are cut highest ────────────────────────────────────────────────────
+# ── the sets with the highest cut ────────────────────────────────────────────────────
 
 
 class _Level(NamedTuple):
-    """Between which levels a set is cut where it is the highest; `top`: the highest there is."""
+    """Bounds of the level at which a highest set is cut; `top`: its largest possible height."""
 
     low: Array
     high: Array
 
 
 class _Set:
-    """The humps of one set, and how high it is."""
+    """The humps of one set, and its height."""
 
     top: Interval
     count: int
 
     def humps(self, level: _Level, strength: Interval) -> Humps:
-        """Return its humps; `certain` are those which are there whenever it is the highest."""
+        """Return its humps; `certain` are those that exist whenever the set is the highest."""
         raise NotImplementedError
 
 
 class _OfHighest(Places):
-    """Aggregation max: the maxima of those sets which may be cut highest."""
+    """Aggregation max: the maxima of the sets that may have the highest cut."""
 
     def __init__(self, output: OutputPlan, samples: AggregateSamples | None, stop: Stop) -> None:
         self.output = output
@@ -165,7 +165,7 @@ def _level(member: Member, strength: Interval, top: Interval) -> _Level:
 
 
 class _Straight(_Set):
-    """A set of straight lines."""
+    """A piecewise linear set."""
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
         self.parts = [
@@ -194,7 +194,7 @@ class _Straight(_Set):
 
 
 def _reach(part: Array, level: Array) -> Interval:
-    """Return between which positions a hump is at least as high as a level; 0: where it begins."""
+    """Return bounds of the positions at which a hump reaches a level; 0: its begin."""
     x0, y0, x1, y1 = (row[None, :] for row in part)
     level = level[:, None]
     with np.errstate(all="ignore"):
@@ -208,7 +208,7 @@ def _reach(part: Array, level: Array) -> Interval:
 
 
 def _rising_and_falling(pieces: Sequence[Piece]) -> list[list[Piece]]:
-    """Cut monotone pieces into humps: where a set rises that has fallen, the next one begins."""
+    """Cut monotone pieces into humps: a rise after a fall begins the next one."""
     humps: list[list[Piece]] = [[pieces[0]]]
     falls = pieces[0].y1 < pieces[0].y0
     for before, piece in pairwise(pieces):
@@ -253,15 +253,15 @@ class _Sampled(_Set):
             Piece(i, degrees[i], i + 1, degrees[i + 1], straight=True)
             for i in range(len(degrees) - 1)
         ] or [Piece(0, degrees[0], 0, degrees[0], straight=True)]
-        # A sample between two humps is of both; of one of them here.
+        # A sample between two humps belongs to both; here to one of them.
         starts = [int(part[0].x0) for part in _rising_and_falling(pairs)]
         self.parts = [slice(a, b) for a, b in pairwise([*starts, len(degrees)])]
         self.top = degrees.max(), degrees.max()
         self.count = len(self.parts)
 
     def humps(self, level: _Level, strength: Interval) -> Humps:
-        # A height may be as good as the greatest without its degree being so: hamacher of a small
-        # strength is nearly that strength. So it is heights that are compared.
+        # A height may equal the greatest although its degree does not: hamacher of a small strength
+        # is nearly that strength. So heights are compared, not degrees.
         ones = np.ones((len(level.low), 1))
         tops = (self.top[0] * ones, self.top[1] * ones)
         cuts = (strength[0][:, None], strength[1][:, None])
@@ -287,5 +287,5 @@ class _Sampled(_Set):
 
 
 def _side_by_side(humps: Iterable[Sequence[Array]]) -> Humps:
-    """Return humps, each as the fields over boxes, as arrays of the shape (boxes, humps)."""
+    """Return humps, each a sequence of fields over boxes, as arrays (boxes, humps)."""
     return Humps(*(np.stack(part, axis=1) for part in zip(*humps, strict=True)))

@@ -1,18 +1,19 @@
 """Bounds of one output that hold at every point: value, slope, error of a table, coverage.
 
-Floats come first: they decide nearly everything, with a margin for their rounding. What they
-leave open (a bound that is attained, a slope that is exactly 0) is cut again in rationals,
-only in the cells where it is open. A rule base that is not made of straight pieces goes by
-boxes (:mod:`fuzzyarm.proof.map.boxes`), which are always sound and mostly wider.
+Floats come first: they decide nearly everything, with a margin for their rounding. Cells that they
+leave open (an attained bound, a slope of exactly 0) are cut again in rationals. A rule base that is
+not piecewise linear is bounded over boxes (:mod:`fuzzyarm.proof.map.boxes`): always sound, mostly
+wider.
 
-To prove something else: a quotient of polynomials in :mod:`.surface`, its question here, a verb of
-``ProveNode`` in :mod:`fuzzyarm.language.statements` (what it demands of ranges in
-:mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand beside them: the kinds
+To add a property: a quotient of polynomials in :mod:`.surface`, its question here, a verb of
+``ProveNode`` in :mod:`fuzzyarm.language.statements` (its demands on ranges in
+:mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand besides: the kinds
 of ``Property`` in :mod:`fuzzyarm.language.model.rulebase`, the quotient in ``QUOTIENTS`` of
 ``tests/proof/test_soundness.py`` (its rounding against rationals), the statement in
 ``tests/fuzz/attacked_proofs.py``, ``docs/reference/metrics.md``; then ``tools/make_schemas.py``.
-What is new in a rule base is refused by name in :mod:`.straight` and :mod:`.boxes` until
-``tests/proof/test_soundness.py`` covers it; ``tests/fuzz/random_proofs.py`` tries to refute it.
+New features of rule bases are refused by name in :mod:`.straight` and :mod:`.boxes` until
+``tests/proof/test_soundness.py`` covers them; ``tests/fuzz/random_proofs.py`` tries to refute
+proofs.
 """
 
 from __future__ import annotations
@@ -53,20 +54,20 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 WIDEST = 1e100
-"""Any bounds are within this tolerance: no range has a larger end."""
+"""A tolerance that any bounds meet: no range has a larger end."""
 
 Make = Callable[[Surface], Quotients]
 
 Box = tuple[tuple[Fraction, Fraction], ...]
-"""A stretch of each input."""
+"""An interval of each input."""
 
 
 @dataclass(frozen=True)
 class QuotientProblem:
     """A quotient over a box, and the cuts of the inputs that it needs.
 
-    `steep`: for slopes, which floats cannot give where they cannot tell which of two heights
-    is higher. `steps`: as of :class:`Cut`.
+    `steep`: for slopes, which floats cannot compute where they cannot order two heights.
+    `steps`: as in :class:`Cut`.
     """
 
     box: Box
@@ -80,19 +81,19 @@ class QuotientProblem:
 
 
 class Prover:
-    """Proves statements on one output of a rule base; it caches the pieces that it has cut.
+    """Proves statements about one output of a rule base, with a cache of cut pieces.
 
     Parameters
     ----------
     rulebase : RuleBase
         The model.
     output : str
-        Which output.
+        Name of the output.
     tolerance : float, optional
-        How far bounds may be from what is attained, in units of what is bounded; 1e-8 of
-        the range of the output by default.
+        Largest gap between bounds and attained values, in their units; 1e-8 of the range of the
+        output by default.
     stop : Stop, optional
-        When to give up, and the callback for progress.
+        Time budget and callback for progress.
     exact : bool
         Compute everything in rationals.
     sampled : bool
@@ -103,7 +104,7 @@ class Prover:
     reason : str
         Why boxes are used; empty for exact pieces.
     inputs : tuple of Variable
-        Those that are not fixed.
+        Inputs that are not fixed.
     fixed : dict of str to Fraction
         Inputs with one value, see :meth:`with_fixed`.
     """
@@ -125,7 +126,7 @@ class Prover:
         low, high = self.output.low, self.output.high
         self.range = high - low if math.isfinite(high - low) else 1.0
         self.tolerance = tolerance
-        # Multiples of a tolerance without bounds are numbers, too.
+        # Finite, so that multiples of it are numbers.
         self.gap = min(tolerance, WIDEST) if tolerance is not None else GAP * self.range
         self.inputs = rulebase.inputs
         self.names = tuple(variable.name for variable in self.inputs)
@@ -141,12 +142,12 @@ class Prover:
 
     @cached_property
     def stays_inside(self) -> bool:
-        """Whether no value but that for *no rule* can leave the range of the output."""
+        """Whether no value but the one for *no rule* can leave the range of the output."""
         return self.output.outside != "extend" or self.lies_between
 
     @cached_property
     def lies_between(self) -> bool:
-        """Whether nothing that rules conclude lies beyond the range of the output."""
+        """Whether all conclusions of rules lie in the range of the output."""
         output_plan = plan(self.rulebase).outputs[self.output.name]
         if not output_plan.discrete or not output_plan.record.is_between:
             return output_plan.record.is_between
@@ -156,7 +157,7 @@ class Prover:
     # ── the box ──────────────────────────────────────────────────────────────────────
 
     def box(self, region: Mapping[str, tuple[float, float]]) -> Box:
-        """Return the stretch of each input, all of its range where the region says nothing.
+        """Return the interval of each input, by default its range.
 
         Raises
         ------
@@ -166,7 +167,7 @@ class Prover:
         ranges = []
         for variable in self.inputs:
             low, high = region.get(variable.name, (variable.low, variable.high))
-            if variable.outside != "extend":  # beyond its range an input takes the border
+            if variable.outside != "extend":  # beyond its range an input is clamped
                 low, high = (min(max(x, variable.low), variable.high) for x in (low, high))
             if not (math.isfinite(low) and math.isfinite(high)):
                 raise UnprovableError(
@@ -177,9 +178,9 @@ class Prover:
         return tuple(ranges)
 
     def with_fixed(self, values: Mapping[str, Fraction]) -> Prover:
-        """Return the prover of a rule base of straight pieces in which some inputs have a value.
+        """Return the prover of a piecewise linear rule base with some inputs fixed.
 
-        Pieces then have the dimension of those that are left, at least one.
+        Pieces then have the dimension of the other inputs, at least one.
         """
         values = {name: values[name] for name in self.names if name in values}
         if self.model is None or not 0 < len(values) < len(self.names):
@@ -195,7 +196,7 @@ class Prover:
 
     @property
     def pieces_cut(self) -> int:
-        """How many pieces the largest cut so far has."""
+        """Number of pieces in the largest cut so far."""
         return max((surface.pieces.count for surface in self._surfaces.values()), default=0)
 
     # ── questions ────────────────────────────────────────────────────────────────────
@@ -216,7 +217,7 @@ class Prover:
             at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
             ends = (no_rule, no_rule, no_rule, no_rule)
             return Bounds(*ends, at, at, self.pieces_cut, "exact", True)
-        if no_rule is not None:  # it is not brought into the range
+        if no_rule is not None:  # not clamped to the range
             silent = self.without_value(region)
             if silent is not None:
                 bounds = _including(bounds, no_rule, silent)
@@ -224,7 +225,7 @@ class Prover:
 
     @property
     def no_rule(self) -> float | None:
-        """The number in place of a missing value; None if it is not a number."""
+        """The value where no rule fires; None if that is not a number."""
         no_rule = self.output.no_rule
         is_number = isinstance(no_rule, int | float) and not math.isnan(no_rule)
         return float(no_rule) if is_number else None
@@ -240,12 +241,12 @@ class Prover:
         return self.bounds_of(question)
 
     def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
-        """Return bounds of the length of the gradient: the high one is a Lipschitz constant."""
+        """Return bounds of the gradient's norm: the upper one is a Lipschitz constant."""
         self.demand_pieces("slopes")
         question = QuotientProblem(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
             self._demand_no_jumps(question, axis)
-        # Squares: a gap g of the length ℓ is one of 2 ℓ g of its square.
+        # Squares: a gap g of the norm ℓ is a gap 2 ℓ g of ℓ².
         bounds = self.bounds_of(question, both=False, share=2.0 * self.range)
         low, high = 0.0, math.nextafter(math.sqrt(bounds.high), math.inf)
         return bounds._replace(
@@ -273,7 +274,7 @@ class Prover:
         return self.bounds_of(self._table_question(table, mode, box))
 
     def demand_bounds(self) -> None:
-        """Refuse a rule base that cannot be proved about, before any long work."""
+        """Refuse a rule base without provable bounds, before any long work."""
         if self.model is None:
             self._boxes(self.box({}))
 
@@ -284,7 +285,7 @@ class Prover:
         mode: str,
         bound: float,
     ) -> Claim:
-        """Tell whether a table differs nowhere in a region by more than `bound`."""
+        """Return whether a table's error in a region is at most `bound`."""
         question = self._table_question(self._fitting(table), mode, self.box(region))
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
@@ -292,7 +293,7 @@ class Prover:
     def boxes_at_most(
         self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool
     ) -> tuple[bool, int]:
-        """Tell whether boxes show the output to be at most `bound`, and how many it took."""
+        """Return whether boxes show the output to be at most `bound`, and their number."""
         return self._boxes(self.box(region)).at_most(bound, negated=negated)
 
     def value_at_most(
@@ -303,7 +304,7 @@ class Prover:
         negated: bool,
         strict: bool,
     ) -> Claim:
-        """Tell whether the output (or minus the output) is at most `bound`, below it if strict."""
+        """Return whether the output (or its negative) is at most `bound`, below it if strict."""
         assert self.model is not None
         return self.at_most(
             QuotientProblem(self.box(region), Surface.value),
@@ -321,7 +322,7 @@ class Prover:
         *,
         negated: bool,
     ) -> Claim:
-        """Tell whether the slope (or minus the slope) is at most `bound`."""
+        """Return whether the slope (or minus the slope) is at most `bound`."""
         self.demand_pieces("slopes")
         axis = self.names.index(name)
         question = QuotientProblem(
@@ -331,7 +332,7 @@ class Prover:
         return self.at_most(question, bound, negated=negated)
 
     def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
-        """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
+        """Return whether |u(x) + u(−x)| is at most `bound` everywhere."""
         self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
         self.demand_inside_range("symmetry", self.box({}))
@@ -340,13 +341,13 @@ class Prover:
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
     def apart(self, other: Prover) -> Bounds:
-        """Return bounds of this output minus that of another rule base over the same inputs.
+        """Return bounds of this output minus another rule base's over the same inputs.
 
         Raises
         ------
         UnprovableError
-            If one of both is not made of straight pieces, has no value somewhere, or leaves its
-            range; or if the inputs differ in number, order, range or what is done outside.
+            If either is not piecewise linear, has points without a value, or leaves its range; or
+            if the inputs differ in number, order, range or treatment outside.
         """
         for each in (self, other):
             each.demand_pieces("a difference")
@@ -373,7 +374,7 @@ class Prover:
     def without_value(
         self, region: Mapping[str, tuple[float, float]]
     ) -> dict[str, Fraction] | None:
-        """Return a point at which no rule fires, or only such whose sets have no area in the range.
+        """Return a point at which no rule fires, or only rules without area in the range.
 
         Raises
         ------
@@ -402,9 +403,9 @@ class Prover:
     def outside_range(
         self, region: Mapping[str, tuple[float, float]]
     ) -> dict[str, Fraction] | None:
-        """Return a point at which the output has no value, for it leaves its range; None: nowhere.
+        """Return a point at which the output leaves its range and has no value; None: nowhere.
 
-        Only an output with ``outside error`` is without one there.
+        Only an output with ``outside error`` has no value there.
 
         Raises
         ------
@@ -425,7 +426,7 @@ class Prover:
         return None
 
     def missing(self, region: Mapping[str, tuple[float, float]]) -> Missing | None:
-        """Return a point at which the output has no value of its own; None if there is none.
+        """Return a point without a value of its own; None if there is none.
 
         Raises
         ------
@@ -451,14 +452,14 @@ class Prover:
     def _inside_at(
         self, region: Mapping[str, tuple[float, float]], sign: int, limit: float
     ) -> Claim:
-        """Tell whether the output, whatever is done outside its range, stays on one side of it."""
+        """Return whether the output, before any clamp, stays on one side of its range."""
         if self.model is None:
             holds, pieces = self.boxes_at_most(region, sign * limit, negated=sign < 0)
             return Claim(holds or None, {}, pieces, False)
         return self.value_at_most(region, sign * limit, negated=sign < 0, strict=False)
 
     def beyond_range(self, at: Mapping[str, Fraction]) -> str:
-        """Return in words that the output leaves its range at a point and has no value there."""
+        """Return the sentence about a point where the output leaves its range, without a value."""
         value = self._concluded(at)
         number = "" if value is None else f" is {float(value):.10g},"
         ends = f"{self.output.low:g} .. {self.output.high:g}"
@@ -477,7 +478,7 @@ class Prover:
         both: bool = True,
         share: float = 1.0,
     ) -> Bounds:
-        """Return both ends of a quotient, to the tolerance; in rationals where floats fail."""
+        """Return both bounds of a quotient, to the tolerance; in rationals where floats fail."""
         arithmetic = rationals() if self.exact else FLOATS
         surface = self.surface(question, arithmetic)
         gap = arithmetic.number(Fraction(self.gap * share))
@@ -497,7 +498,7 @@ class Prover:
                 raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
             rational = self.in_rationals()
             return rational.bounds_of(question, shifted=shifted, both=both, share=share)
-        # What floats leave open is cut once in rationals, for both ends.
+        # Cells that floats leave open are cut once in rationals, for both bounds.
         exact = (
             self._again(question, surface, undecided) if undecided.size and not self.exact else None
         )
@@ -522,13 +523,13 @@ class Prover:
         return self._as_bounds(ends, shift, pieces, complete=complete)
 
     def without_memory(self) -> Prover:
-        """Return the same prover with pieces of its own, to be forgotten with it."""
+        """Return the same prover with its own pieces, freed together with it."""
         prover = copy(self)
         prover._surfaces = {}
         return prover
 
     def in_rationals(self) -> Prover:
-        """Return the same prover without floats: strengths may be too small for them."""
+        """Return the same prover without floats, for strengths too small for them."""
         prover = self.without_memory()
         prover.exact = True
         return prover
@@ -536,14 +537,14 @@ class Prover:
     def _again(
         self, question: QuotientProblem, surface: Surface, left: Array
     ) -> tuple[Surface, Quotients] | None:
-        """Return in rationals the cells that floats have left open; None when time is over."""
+        """Return in rationals the cells that floats have left open; None if time is over."""
         if self.stop.now:
             return None
         try:
             exact = self.surface(question, rationals(), np.unique(surface.pieces.flat_cells[left]))
             return exact, question.make(exact)
         except TimeOverError:
-            return None  # the bounds of floats hold
+            return None  # the bounds from floats hold
 
     def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
         number, quotients = rationals().number, exact[1]
@@ -560,7 +561,7 @@ class Prover:
         strict: bool = False,
         shifted: bool = False,
     ) -> Claim:
-        """Tell whether a quotient (or minus the quotient) is at most a bound everywhere."""
+        """Return whether a quotient (or minus the quotient) is at most a bound everywhere."""
         count = 0
         cells: Array | None = None
         for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
@@ -576,8 +577,8 @@ class Prover:
             margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
             least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
             start = arithmetic.number(limit)
-            # Floats sort out what is clearly below the bound. What is near it they never decide, so
-            # it goes to rationals after a few halvings.
+            # Floats discard simplices clearly below the bound. They never decide those near it,
+            # which go to rationals after a few halvings.
             smallest = SMALLEST if arithmetic.exact else 1 / 16
             extremum = maximise(
                 oriented, start - start, self.stop,
@@ -593,7 +594,7 @@ class Prover:
             if fails:
                 corner = extremum.corner
                 assert corner is not None
-                if question.steep:  # a slope has two sides: step inside the piece
+                if question.steep:  # a slope has two sides: move inside the piece
                     inside = surface.pieces.corners[extremum.owner].sum(axis=0) / (corner.size + 1)
                     corner = corner + (inside - corner) / 2**14
                 at = self.named(surface.pieces.position(extremum.owner, corner))
@@ -604,7 +605,7 @@ class Prover:
             if self.stop.now or arithmetic.exact:
                 break
             owners = undecided
-            if extremum.owner >= 0:  # above the bound by less than floats can tell
+            if extremum.owner >= 0:  # above the bound by less than the error of floats
                 above = oriented.excess(start, self.stop) > 0
                 owners = np.concatenate([owners, oriented.owner[above]])
             cells = np.unique(surface.pieces.flat_cells[owners])
@@ -622,7 +623,7 @@ class Prover:
         bounds: dict[int, tuple[float, float, Point]] = {}
         for sign, reached, bound, at in ends:
             if self.exact:
-                outer = sign * math.inf  # where time ran out before anything was bounded
+                outer = sign * math.inf  # time ran out before any bound
                 if math.isfinite(float(bound)):
                     outer = _outward(as_fraction(bound) * sign + as_fraction(shift), sign)
                 inner = float(as_fraction(reached) * sign + as_fraction(shift))
@@ -636,15 +637,15 @@ class Prover:
         way = "exact" if self.exact else "widened"
         return Bounds(low, most, reached_low, reached_high, at_low, at_high, pieces, way, complete)
 
-    # ── surfaces, remembered ─────────────────────────────────────────────────────────
+    # ── cached surfaces ──────────────────────────────────────────────────────────────
 
     def surface(
         self, question: QuotientProblem, arithmetic: Arithmetic, cells: Array | None = None
     ) -> Surface:
-        """Return the pieces that a question needs; whole cuts are remembered."""
+        """Return the pieces for a question; whole cuts are cached."""
         assert self.model is not None
         positions = tuple(tuple(position) for position in question.positions)
-        # The other rule base is held by the question only: its pieces are not remembered.
+        # The other rule base belongs to the question only: its pieces are not cached.
         remembers = cells is None and question.other is None
         steps = question.steps
         key = (question.box, positions, question.mirrored, question.form, steps, arithmetic.exact)
@@ -682,7 +683,7 @@ class Prover:
     # ── single points ────────────────────────────────────────────────────────────────
 
     def exactly(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
-        """Return the output at a point in exact arithmetic; None where it has no value."""
+        """Return the output at a point in exact arithmetic; None without a value."""
         value = self._concluded(at)
         if value is None:
             return None if self.no_rule is None else Fraction(self.no_rule)
@@ -707,14 +708,14 @@ class Prover:
         return as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
 
     def named(self, position: list[Fraction]) -> dict[str, Fraction]:
-        """Return inputs by name, those that are fixed included, in the order of the rule base."""
+        """Return inputs by name, fixed ones included, in the order of the rule base."""
         values = {**self.fixed, **dict(zip(self.names, position, strict=True))}
         return {variable.name: values[variable.name] for variable in self.rulebase.inputs}
 
     # ── refusals ─────────────────────────────────────────────────────────────────────────
 
     def demand_pieces(self, kind: str) -> None:
-        """Refuse a rule base that is not made of straight pieces."""
+        """Refuse a rule base that is not piecewise linear."""
         if self.model is None:
             raise UnprovableError(f"proofs of {kind} need straight pieces: {self.reason}")
 
@@ -740,7 +741,7 @@ class Prover:
             raise UnprovableError(f"{statement}: no rule fires at {written(at)}")
 
     def _fitting(self, table: LookupTable) -> LookupTable:
-        """Return a table over all inputs; one of other inputs is refused."""
+        """Return a table over all inputs; refuse one with other inputs."""
         if not set(table.names) <= set(self.names):
             raise UnprovableError(
                 f"the table is over {', '.join(table.names)},"
@@ -751,7 +752,7 @@ class Prover:
         return over_inputs(table, self.rulebase.inputs)
 
     def demand_inside_range(self, statement: str, box: Box) -> None:
-        """Refuse an output that leaves its range: it is clamped there, or has no value."""
+        """Refuse an output that leaves its range, where it is clamped or has no value."""
         assert self.model is not None
         if math.isfinite(self.model.low) or self.output.outside == "extend":
             return
@@ -761,7 +762,7 @@ class Prover:
             raise UnprovableError(f"{statement}: '{self.output.name}' leaves its range and {then}")
 
     def _clamped(self, bounds: Bounds) -> Bounds:
-        """Bring bounds of the value into the range, as the value is; a centroid lies in it."""
+        """Clamp bounds of the value to the range, as inference does; a centroid lies in it."""
         low, high = self.output.low, self.output.high
         free = self.model is not None and not math.isfinite(self.model.low)
         if self.output.outside != "clamp" and free:
@@ -784,7 +785,7 @@ def _including(bounds: Bounds, value: float, at: dict[str, Fraction]) -> Bounds:
 
 
 def _outward(number: Fraction, sign: int) -> float:
-    """Return the nearest float that is not inside."""
+    """Return the nearest float on the outer side."""
     value = float(number)
     if sign * (Fraction(value) - number) < 0:
         value = math.nextafter(value, sign * math.inf)

@@ -4,11 +4,11 @@ With σ = Σ wᵢ xᵢ an output u lies in the sector [k₁, k₂] where
 
     k₁ σ² ≤ u σ ≤ k₂ σ²,
 
-so that u is σ times a gain between k₁ and k₂, whatever else it depends on: what the circle
-criterion requires. Along one input (the others at 0) σ is that input; over several it is a sum
-of them, and u has to vanish where σ does. On pieces that are cut at σ = 0 the quotient u / σ is
-one of polynomials, like everything else (:mod:`fuzzyarm.proof.map.surface`). At σ = 0 both vanish,
-which floats cannot tell from nearly: sectors are found in rationals.
+so that u is σ times a gain between k₁ and k₂, whatever else it depends on: the premise of the
+circle criterion. Along one input (the others at 0) σ is that input; over several it is a sum of
+them, and u has to vanish with σ. On pieces cut at σ = 0, u / σ is a quotient of polynomials
+(:mod:`fuzzyarm.proof.map.surface`). At σ = 0 both vanish, which floats cannot tell from nearly:
+sectors are computed in rationals.
 
 Source: H. K. Khalil, *Nonlinear Systems*, section 7.1.
 """
@@ -38,7 +38,7 @@ Form = Mapping[str, float | Fraction]
 
 
 class NoSectorError(UnprovableError):
-    """An output is not 0 where the sum of its inputs is: no gain bounds it."""
+    """An output is not 0 at a zero of the weighted sum of its inputs: no gain bounds it."""
 
 
 # ── sectors ──────────────────────────────────────────────────────────────────────────
@@ -46,7 +46,7 @@ class NoSectorError(UnprovableError):
 
 @json_properties("weights low high at_low at_high slack pieces")
 class Sector(NamedTuple):
-    """Between which gains an output lies.
+    """The sector of an output.
 
     Attributes
     ----------
@@ -55,14 +55,14 @@ class Sector(NamedTuple):
     low, high : float
         The least and the greatest u / σ, rounded outward.
     at_low, at_high : dict of str to float
-        Where they are attained or, next to σ = 0, approached.
+        Points at which the gains are attained or, next to σ = 0, approached.
     slack : float
-        u may leave the sector by so much: 0, or 1e-9 of the range where u vanishes with σ only
-        up to that, as rules whose terms lie at thirds.
+        Allowed excess of u over the sector: 0, or 1e-9 of the range if u vanishes with σ only up to
+        that, as with terms at thirds.
     pieces : int
-        How many simplices were looked at.
+        Number of simplices examined.
     complete : bool
-        Whether the gains are within the tolerance of what is attained.
+        Whether the gains are within the tolerance of attained values.
     """
 
     weights: dict[str, Fraction]
@@ -85,21 +85,21 @@ def sector(
     prover : Prover
         Of the output u.
     weights : mapping of str to float or Fraction
-        Of the inputs in σ = Σ wᵢ xᵢ; inputs without a weight are 0, unless `region` says where.
+        Of the inputs in σ = Σ wᵢ xᵢ; inputs without a weight are 0, unless `region` has them.
     region : mapping of str to (float, float), optional
-        Part of the inputs; all of their ranges by default.
+        Intervals of the inputs; their ranges by default.
 
     Returns
     -------
     Sector
-        In units of the output by units of σ, found in rationals.
+        In units of the output by units of σ, computed in rationals.
 
     Raises
     ------
     NoSectorError
-        If u is not 0 somewhere where σ is.
+        If u is not 0 at some zero of σ.
     UnprovableError
-        If the rule base is not made of straight pieces, or has no value somewhere.
+        If the rule base is not piecewise linear, or has points without a value.
 
     Examples
     --------
@@ -118,17 +118,17 @@ def sector(
     box = exact.box({name: span for name, span in region.items() if name in exact.names})
     exact.demand_inside_range("sectors", box)
     silent = _silent(prover, {name: region[name] for name in exact.names if name in region})
-    if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
+    if all(low <= 0 <= high for low, high in box):  # σ is 0 at the origin: a cheap first test
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
     made: dict[Fraction, Quotients] = {}
 
     def over(surface: Surface, more: Fraction) -> Quotients:
-        if more not in made:  # `exact` has one surface for all of these questions
+        if more not in made:  # `exact` uses one surface for all of these questions
             made[more] = surface.over_form(form, more)
         return made[more]
 
     slack = _slack(exact, QuotientProblem(box, lambda surface: over(surface, ZERO), form=form))
-    # The tolerance is one of u; u / σ is sought to that over the largest |σ|.
+    # The tolerance is in units of u; that of u / σ is divided by the largest |σ|.
     far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
     share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
 
@@ -159,7 +159,7 @@ def sector(
 def _fixed_inputs(
     prover: Prover, weights: Form, region: Mapping[str, tuple[float, float]]
 ) -> dict[str, Fraction]:
-    """Return the values of the inputs that have one."""
+    """Return the values of inputs with a single value."""
     if not any(weights.get(name) for name in prover.names):
         raise UnprovableError("a sector needs an input with a weight other than 0")
     values = {}
@@ -176,7 +176,7 @@ def _fixed_inputs(
 
 
 def _silent(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
-    """Tell whether there are points without a rule, at which the output is 0; refuse others."""
+    """Return whether there are points without a rule, with the output 0; refuse others."""
     at = prover.without_value(region)
     if at is None:
         return False
@@ -189,14 +189,14 @@ def _silent(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
 
 
 def _slack(prover: Prover, question: QuotientProblem) -> Fraction:
-    """Return how far the output is taken to be off; refuse one that is not 0 where σ is."""
+    """Return the allowed excess of the output; refuse one that is not 0 at the zeros of σ."""
     surface = prover.surface(question, rationals())
     quotients = question.make(surface)
     dimension = surface.pieces.corners.shape[2]
     slack = Fraction(0)
     for vertex, position in enumerate(vertices_of(dimension, quotients.degree)):
         upper, lower = quotients.upper[:, position], quotients.lower[:, position]
-        # σ is 0 here and u is not: no gain bounds u / σ, unless u is 0 up to rounding.
+        # σ is 0 here, u is not: no gain bounds u / σ, unless u is 0 up to rounding.
         for row in np.flatnonzero((lower == 0) & (upper != 0)):
             owner = int(quotients.owner[row])
             at = prover.named(surface.pieces.position(owner, surface.pieces.corners[owner, vertex]))
@@ -214,7 +214,7 @@ def _demand_zero(prover: Prover, at: Mapping[str, Fraction]) -> None:
 
 
 def form_text(weights: Form, digits: int = 0) -> str:
-    """Return a sum of inputs as ``1.5 e + 0.5 ce``, exactly or to some digits."""
+    """Return a sum of inputs as ``1.5 e + 0.5 ce``, exactly or to `digits`."""
     text = ""
     for name, weight in weights.items():
         size = abs(float(weight))
@@ -226,7 +226,7 @@ def form_text(weights: Form, digits: int = 0) -> str:
 
 
 def _weight_text(weight: float | Fraction) -> str:
-    """Return the size of a weight, by which it reads back: as a float, else as a quotient."""
+    """Return the magnitude of a weight such that it reads back: a float, else a quotient."""
     size = abs(Fraction(weight))
     return number_text(float(size)) if Fraction(float(size)) == size else str(size)
 
@@ -235,14 +235,14 @@ def _weight_text(weight: float | Fraction) -> str:
 
 
 class _Side(NamedTuple):
-    """A simplex at a point: its edges from there, and the gradient that the output has in it."""
+    """A simplex at a point: its edges from there, and the output's gradient in it."""
 
     edges: np.ndarray
     gradient: tuple[Fraction, ...]
 
 
 class Slopes(NamedTuple):
-    """The gradients of an output at a point: one for each piece that meets there.
+    """The gradients of an output at a point: one for each piece around it.
 
     Attributes
     ----------
@@ -265,12 +265,11 @@ class Slopes(NamedTuple):
         return min(gradients), max(gradients)
 
     def along(self, direction: Mapping[str, Fraction]) -> Fraction | None:
-        """Return the slope in a direction, to one side; None where no piece lies there."""
+        """Return the one-sided slope in a direction; None without a piece there."""
         weights = [direction.get(name, Fraction(0)) for name in self.names]
         plain = np.array([float(weight) for weight in weights])
         for side in self.sides:
-            # A direction leads into a simplex if it is a sum of its edges with weights of at least
-            # 0.
+            # A direction leads into a simplex if it is a sum of its edges with weights ≥ 0.
             shares = np.linalg.solve(side.edges.T, plain)
             if (shares >= -1e-9 * np.abs(shares).max(initial=1e-300)).all():
                 return sum(
@@ -287,13 +286,13 @@ def slopes_at(prover: Prover, point: Mapping[str, float]) -> Slopes:
     prover : Prover
         Of the output.
     point : mapping of str to float
-        Where; inputs without a value are 0.
+        The point; other inputs are 0.
 
     Raises
     ------
     UnprovableError
-        If the rule base is not made of straight pieces, an input is not a number, the point lies
-        outside the ranges, no rule fires there, or the output jumps.
+        If the rule base is not piecewise linear, an input is not a number, the point lies outside
+        the ranges, no rule fires there, or the output jumps.
     """
     prover.demand_pieces("slopes at a point")
     assert prover.model is not None

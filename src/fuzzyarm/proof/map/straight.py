@@ -1,10 +1,9 @@
-"""The straight pieces of a rule base, as exact numbers.
+"""Piecewise linear rule bases, in exact numbers.
 
-Let every membership be made of straight lines and every antecedent of minima, maxima and
-complements. Then the inputs fall into simplices on which all heights are affine, and an
-output is the quotient of two polynomials there (:mod:`fuzzyarm.proof.map.pieces`). A rule base
-that is not of this kind is refused here by a sentence that says why; what can be said of it
-is proved over boxes (:mod:`fuzzyarm.proof.map.boxes`).
+Let every membership be piecewise linear and every antecedent consist of minima, maxima and
+complements. Then the inputs fall into simplices on which all heights are affine, and an output is
+the quotient of two polynomials there (:mod:`fuzzyarm.proof.map.pieces`). Other rule bases are
+refused here with the reason, and bounded over boxes (:mod:`fuzzyarm.proof.map.boxes`).
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ Corners = tuple[tuple[Fraction, Fraction], ...]
 
 
 class NotStraightError(FuzzyarmError, ValueError):
-    """Part of a rule base that cannot be cut into exact pieces; the message names it."""
+    """Part of a rule base has no exact pieces; the message names it."""
 
 
 class Proposition(NamedTuple):
@@ -64,7 +63,7 @@ class StraightRule(NamedTuple):
 
 
 class LinearConsequent(NamedTuple):
-    """A consequent that is a number: a constant and a coefficient for each input."""
+    """A consequent as a number: a constant and a coefficient for each input."""
 
     constant: Fraction
     coefficients: tuple[Fraction, ...]
@@ -72,35 +71,34 @@ class LinearConsequent(NamedTuple):
 
 @dataclass(frozen=True)
 class Straight:
-    """A rule base of straight pieces, with one of its outputs, in exact numbers.
+    """One output of a piecewise linear rule base, in exact numbers.
 
-    A *column* is one height: that of a consequent, folded over the rules that share it, or
-    of each rule by itself where the aggregation adds.
+    A *column* is one height: of a consequent, folded over its rules, or of each rule by itself if
+    the aggregation adds.
     """
 
     names: tuple[str, ...]  # the inputs
-    # Of the inputs; infinite ends are floats
+    # Ranges of the inputs; infinite ends are floats
     ranges: tuple[tuple[Fraction | float, Fraction | float], ...]
-    propositions: tuple[Proposition, ...]  # the terms that rules ask for
+    propositions: tuple[Proposition, ...]  # the terms in antecedents
     rules: tuple[StraightRule, ...]  # in order
-    columns: int  # how many heights there are
-    adds: bool  # whether rules with the same column add up; otherwise the highest counts
+    columns: int  # number of heights
+    adds: bool  # whether rules of one column add up; else the highest counts
     multiplies: bool  # whether antecedents are products of memberships rather than minima
     form: ClosedForm | None  # area and moment of the clipped sets, for the centroid of sets
-    # Of each column, for the average of numbers; the weight of a column is 1
+    # Numbers of the columns, for an average
     values: tuple[LinearConsequent, ...]
     # Weights of the columns in the average: 1, or the areas of scaled sets
     areas: tuple[Fraction, ...]
     is_sum: bool  # whether the values are summed without division
-    # low, high: what a centroid or an average cannot leave, where that is known; else infinite
-    # floats
+    # low, high: bounds of a centroid or an average, if known; else infinite floats
     low: Fraction | float
     high: Fraction | float
-    no_rule: float | None  # the value where there is no other, None where there is none
+    no_rule: float | None  # the value where no rule fires; None without one
 
     @property
     def counts(self) -> tuple[bool, ...]:
-        """For each column, whether its set has an area in the range: if not, it gives no value."""
+        """For each column, whether its set has an area in the range; others give no value."""
         if self.form is not None:
             return tuple(
                 any(layer.a1 or layer.a2 for layer in layers) for layers in self.form.set_layers
@@ -109,19 +107,18 @@ class Straight:
 
 
 def straight(rulebase: RuleBase, output: str, *, sampled: bool = False) -> Straight:
-    """Return one output of a rule base in exact numbers: its doubles are what they are.
+    """Return one output of a rule base in exact numbers: its doubles are taken exactly.
 
-    A centroid of samples may count as that of stairs: exactly it, but of many pieces.
-    NotStraightError: it is not made of straight pieces, the message says what is not.
-    InferenceError: it cannot be evaluated at all.
+    A centroid of samples may be cut as the centroid of steps: exactly equal, with many pieces.
+    NotStraightError names a part that is not piecewise linear; InferenceError: no evaluation.
     """
     return _Reading(plan(rulebase), output, sampled=sampled).result()
 
 
 def with_fixed(model: Straight, fixed: Mapping[int, Fraction]) -> Straight:
-    """Return a model in which some inputs, not all, have a value: one of the others.
+    """Return a model over the other inputs, with some inputs (not all) fixed.
 
-    A membership of a fixed input becomes a level line over the first input that is left.
+    A membership of a fixed input becomes a level line over the first remaining input.
     """
     free = [axis for axis in range(len(model.names)) if axis not in fixed]
     numbers = {axis: number for number, axis in enumerate(free)}
@@ -161,7 +158,7 @@ def height_at(corners: Corners, x: Fraction) -> Fraction:
 
 
 class _Reading:
-    """Collects the propositions while the rules are read."""
+    """The reader of a rule base, which collects the propositions."""
 
     def __init__(self, plan: Plan, output: str, *, sampled: bool) -> None:
         self.plan, self.sampled = plan, sampled
@@ -230,7 +227,7 @@ class _Reading:
         if aggregation not in {"max", "sum"}:
             raise NotStraightError(f"aggregation {aggregation} is not in straight pieces")
         columns: list[tuple[int, ...]] = [() for _ in self.plan.rules]
-        # Clipped sets are not linear in the strength: each rule that adds has its own column.
+        # Clipped sets are not linear in the strength: each adding rule has its own column.
         apart = aggregation == "sum" and self._is_clipped()
         for number, (member, rule) in enumerate(self.output.contributions):
             if self.plan.rules[rule].rule.weight != 0.0:
@@ -245,7 +242,7 @@ class _Reading:
         return any(member.implication != "product" for member in self.output.members)
 
     def _demand_products(self, rules: Sequence[StraightRule], *, adds: bool) -> None:
-        """Heights that are products must enter the output linearly: no maxima of them."""
+        """Refuse maxima of products: their heights must enter the output linearly."""
         if any(not _is_plain_product(rule.antecedent) for rule in rules):
             raise NotStraightError("products of memberships beside other norms")
         if self.output.discrete and not adds:
@@ -355,7 +352,7 @@ class _Reading:
 
 
 _AVERAGES = frozenset({"centroid", "average", "weighted"})
-"""Defuzzifiers that average numbers or add them up."""
+"""Defuzzifiers that average or add numbers."""
 
 _CONJUNCTIONS: dict[
     str, Literal["min", "bounded and", "product"]
@@ -372,13 +369,13 @@ def _corners(shape: object) -> Corners:
 
 
 def _stairs(corners: Corners, low: Fraction, high: Fraction, way: Defuzzifier) -> list[Piece]:
-    """Return a set of stairs, a step around each sample: its sums are those of the samples."""
+    """Return a step around each sample of a set: integrals equal the sums over samples."""
     assert way.resolution is not None
     count = way.resolution
     step = (high - low) / (count if way.sampling in ("midpoints", "left") else count - 1)
     first = low + step / 2 if way.sampling == "midpoints" else low
     pieces = []
-    # Beside a vertical edge the last bit of a position decides, so heights are those there.
+    # Beside a vertical edge the last bit of a position decides, so heights are taken there.
     rounded = sample_positions(float(low), float(high), way)
     for k, (at, weight) in enumerate(zip(rounded, weights(count, way.sampling), strict=True)):
         x, half = first + k * step, step * Fraction(weight) / 2
@@ -400,7 +397,7 @@ def _is_plain_product(node: StraightAntecedent) -> bool:
 def _averages(
     profiles: Sequence[Sequence[Piece]], inputs: int
 ) -> tuple[tuple[LinearConsequent, ...], tuple[Fraction, ...]]:
-    """Return the centroids and areas of whole sets, of which scaled sets that add are averages."""
+    """Return centroids and areas of whole sets: added scaled sets are their averages."""
     values, areas = [], []
     for pieces in profiles:
         area = moment = Fraction(0)

@@ -1,8 +1,8 @@
 """An output over the pieces as quotients of polynomials: its value, slopes, errors of a table.
 
 Area A and moment M (about the centre of the output's range) are evaluated at the lattice of
-each simplex, then turned into Bernstein coefficients. The question of a statement is again a
-quotient with a denominator that is nowhere negative:
+each simplex, then converted to Bernstein coefficients. A statement is about a quotient with a
+denominator that is nowhere negative:
 
     value      M / A                        slope    (M′A − MA′) / A²
     table      (M − B·A) / A                odd      (M₁A₂ + M₂A₁) / (A₁A₂)
@@ -45,17 +45,16 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table.axis import TableHeader
 
 MOST_COEFFICIENTS = 3_000
-"""Of one polynomial; a matrix of them squared goes from values to coefficients."""
+"""Most coefficients of one polynomial; the matrix from values to coefficients has their square."""
 
 _CHUNK, _CHUNK_OF_RATIONALS = 4_000_000, 40_000
-"""Numbers in one array while the lattice is evaluated; rationals take a thousand times as long."""
+"""Numbers per array while the lattice is evaluated; rationals take a thousand times as long."""
 
 
 class _Sums(NamedTuple):
-    """Area and moment at the lattice of some pieces, with slopes for a share of the cell.
+    """Area and moment at the lattice of some pieces, with slopes by cell coordinates.
 
-    `size` is the sum of the sizes of everything that was added to the area; `steep` the same
-    of its slopes.
+    `size` is the sum of the magnitudes of all terms of the area; `steep` the same for its slopes.
     """
 
     area: Array
@@ -78,9 +77,9 @@ class Surface:
     centre : number
         The centre of the moments: the value is centre + M / A.
     reach : float
-        How far the value may be from the centre.
+        Largest distance of the value from the centre.
     degree : int
-        Of M and A as polynomials of the same degree.
+        Common degree of M and A.
     """
 
     def __init__(self, model: Straight, pieces: Pieces) -> None:
@@ -141,19 +140,19 @@ class Surface:
             upper, lower = self._slope(sums, axis), sums.area * sums.area
             wide = width[which]
             size, steep = MARGIN * sums.size, sums.steep
-            # Two products, each off in both factors: |M′| ≤ steep · reach times the error `size` of
-            # A, and the error of M′ times A. A² is off by 2 A times the error of A.
+            # Two products with errors in both factors: |M′| ≤ steep · reach times the error `size`
+            # of A, and the error of M′ times A. The error of A² is 2 A times that of A.
             error = 4.0 * size * steep * self.reach
             return _Parts(
                 upper, lower * wide[:, None], error, 2.0 * size * sums.size * wide.astype(float)
             )
 
         some = np.flatnonzero(width > 0)
-        # Of sets M′ has degree 2 and A degree 2: M′A and MA′ have 4, not 6.
+        # For sets M′ and A have degree 2: M′A and MA′ have 4, not 6.
         return self._quotients(2 * self.degree - (self.model.form is not None) * 2, make, some)
 
     def gradient_squared(self) -> Quotients:
-        """Return the square of the length of the gradient."""
+        """Return the squared norm of the gradient."""
         widths = [self.pieces.widths(axis) for axis in range(self.dimension)]
 
         def make(which: Array, points: Array) -> _Parts:
@@ -164,8 +163,8 @@ class Surface:
                 upper = part * part if upper is None else upper + part * part
                 steep = steep + sums.steep / width[which].astype(float)
             square = sums.area * sums.area
-            # A square x² is off by 2 |x| δ, here |x| ≤ 2 A steep reach and δ as in `slope`; A⁴ by 4
-            # A³ δ.
+            # The error of x² is 2 |x| δ, here |x| ≤ 2 A steep reach and δ as in `slope`; that of A⁴
+            # is 4 A³ δ.
             error = 16.0 * size * sums.size * (steep * self.reach) ** 2
             return _Parts(upper, square * square, error, 4.0 * size * sums.size**3)
 
@@ -188,7 +187,7 @@ class Surface:
         return self._quotients(self.degree + self.area_degree, make)
 
     def apart(self, other: Straight) -> Quotients:
-        """Return the value less that of another rule base, the second system of the pieces."""
+        """Return the value minus that of another rule base, the second system of the pieces."""
         second = Surface(other, self.pieces)
         shift = self.centre - second.centre
 
@@ -205,7 +204,7 @@ class Surface:
         return self._quotients(max(degrees), make)
 
     def difference(self, table: TableValues) -> Quotients:
-        """Return the value less that of a table."""
+        """Return the value minus that of a table."""
 
         def make(which: Array, points: Array) -> _Parts:
             sums = self._sums(which, points, slopes=False)
@@ -220,8 +219,8 @@ class Surface:
     def over_form(self, weights: Sequence[Fraction], more: Fraction = Fraction(0)) -> Quotients:
         """Return the value over σ = Σ wᵢ xᵢ, both with the sign of σ; in rationals only.
 
-        The pieces are cut where σ is 0. Where the value is not 0 there, the quotient has no
-        bound. `more` is added to the value with the sign of σ.
+        The pieces are cut at σ = 0. If the value is not 0 there, the quotient is unbounded. `more`
+        is added to the value with the sign of σ.
         """
         shift = self.arithmetic.number(more)
         one = self.arithmetic.number(Fraction(1))
@@ -235,19 +234,19 @@ class Surface:
             size = MARGIN * sums.size
             return _Parts(sign * value + shift * sums.area, sign * form * sums.area, size, size)
 
-        # Of sets σA has the degree of M, which is one more than that of A.
+        # For sets σA has the degree of M, one more than that of A.
         return self._quotients(self.degree + (self.model.form is None), make)
 
     def silent(self, *, valued: bool) -> tuple[int, Array] | None:
-        """Return a piece and a vertex of it at which no rule fires; None if there is none.
+        """Return a piece and one of its points at which no rule fires; None if there is none.
 
-        `valued`: at which there is no value, for what fires has no area in the range either.
+        `valued`: a point without a value, which includes firing rules without area in the range.
         """
         zero = self._fired(valued=valued) == 0
         rows = np.flatnonzero(zero.any(axis=1))
         vertices = np.arange(self.dimension + 1)
-        # The middle of a piece, rather than its edge. Where a piece has silent points, the middle
-        # of one of its faces is silent and no end of it that belongs to its neighbour.
+        # The middle rather than an edge: a piece with silent points has a face with a silent
+        # middle, which belongs to no neighbour.
         for count in range(len(vertices), 0, -1) if rows.size else ():
             for face in combinations(vertices, count):
                 found = self._silent_middle(rows, zero, np.isin(vertices, face), valued=valued)
@@ -258,7 +257,7 @@ class Surface:
     def _silent_middle(
         self, rows: Array, zero: Array, face: Array, *, valued: bool
     ) -> tuple[int, Array] | None:
-        """Return the largest piece with the silent middle of a face, and that middle."""
+        """Return the largest piece that has a face with a silent middle, and that middle."""
         products = self.model.multiplies
         fits = zero[rows][:, face].all(axis=1) if products else (zero[rows] == face).all(axis=1)
         some, count = rows[fits], int(face.sum())
@@ -266,7 +265,7 @@ class Surface:
             return None
         shares = self.pieces.corners[some][:, face].sum(axis=1) / count
         silent = self.pieces.holds(some, shares)
-        if products:  # they are not affine: 0 at all vertices, and not between them
+        if products:  # not affine: 0 at all vertices, but not between them
             middle = self.arithmetic.array([[Fraction(int(on), count) for on in face]])
             silent &= self._products_at(some, middle, valued=valued)[:, 0] == 0
         some, shares = some[silent], shares[silent]
@@ -277,7 +276,7 @@ class Surface:
         return int(some[largest]), shares[largest]
 
     def nearly_silent(self, *, valued: bool) -> Array:
-        """Return the pieces of which floats cannot decide whether a rule fires everywhere."""
+        """Return the pieces on which floats cannot decide whether a rule fires everywhere."""
         return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 
     def _fired(self, *, valued: bool) -> Array:
@@ -329,8 +328,8 @@ class Surface:
         corners = self.pieces.corners[which]
         if exact:
             return Quotients(upper, lower, None, 0.0, corners, which, degree)
-        # Where no rule fires at the vertices of a face, sums on it have no summands: the
-        # coefficients there are 0 without an error.
+        # On a face whose vertices have no firing rule, sums have no terms: its coefficients are
+        # exactly 0.
         nothing = np.concatenate([part.lower[:, ends] == 0 for part in parts])
         flat = np.ones(lower.shape, dtype=bool)
         for vertex in range(self.dimension + 1):
@@ -340,9 +339,8 @@ class Surface:
         off_upper = norm * np.concatenate([part.upper_error for part in parts])
         off_lower = norm * np.concatenate([part.lower_error for part in parts])
         ratio = np.divide(off_upper, off_lower, out=np.zeros_like(off_upper), where=off_lower > 0)
-        # One ratio of both errors serves all pieces; the error of D is raised where it is too
-        # small.
-        some = np.sort(ratio[ratio > 0])  # its median; `np.median` would load numpy.ma
+        # One ratio of both errors serves all pieces; too small an error of D is raised.
+        some = np.sort(ratio[ratio > 0])  # the median; `np.median` would load numpy.ma
         reach = (
             float(0.5 * (some[(some.size - 1) // 2] + some[some.size // 2])) if some.size else 1.0
         )
@@ -382,7 +380,7 @@ class Surface:
             for column in range(self.model.columns)
         }
         positive = {column: any_of_rows(heights > 0) for column, heights in columns.items()}
-        lattice = {  # once for each column: overlaps ask for the same again
+        lattice = {  # once per column: overlaps need the same again
             column: heights @ points.T
             for column, heights in columns.items()
             if positive[column].any()
@@ -419,7 +417,7 @@ class Surface:
         return {}
 
     def _as_numbers(self, layers: Layers) -> _Layered:
-        """Return layers in the arithmetic, made once."""
+        """Return layers in the arithmetic, cached."""
         key = id(layers)
         if key not in self._known_layers:
             self._known_layers[key] = _layered(layers, self.arithmetic)
@@ -441,7 +439,7 @@ class Surface:
             sums.set_area_to_one()
 
     def _value(self, column: int, which: Array, points: Array) -> tuple[Array, Array]:
-        """Return the number of a consequent at the lattice, and its slopes."""
+        """Return a consequent's number at the lattice, and its slopes."""
         number = self.arithmetic.number
         value = self.model.values[column]
         values = self.arithmetic.zeros(len(which), len(points)) + number(value.constant)
@@ -513,7 +511,7 @@ class Surface:
 
 
 class _Parts(NamedTuple):
-    """Numerator and denominator at the lattice, and how far floats may be off in each piece."""
+    """Numerator and denominator at the lattice, and the errors of floats in each piece."""
 
     upper: Any
     lower: Array
@@ -522,7 +520,7 @@ class _Parts(NamedTuple):
 
 
 class _Sum:
-    """Adds up area and moment, their slopes, and the magnitudes of the summands."""
+    """Sums of area and moment, their slopes, and the magnitudes of the terms."""
 
     def __init__(
         self, arithmetic: Arithmetic, pieces: int, points: int, dimension: int, *, slopes: bool
@@ -549,7 +547,7 @@ class _Sum:
         """Add to some rows; `whole` is the area at height 1."""
         self.area[rows] += area
         self.moment[rows] += moment
-        if not self.exact:  # heights are off by a share of 1, however small they are
+        if not self.exact:  # the error of heights is relative to 1, however small they are
             self.size[rows] += greatest_of_rows(np.abs(area)) + 0.1 * abs(whole)
         if self.area_slopes is None or self.moment_slopes is None:
             return
@@ -562,7 +560,8 @@ class _Sum:
         self, rows: Array, layers: _Layered, height: Array, slope: Array, sign: int
     ) -> None:
         """Add (or subtract) the polynomials of one clipped set."""
-        # No height passes a layer within a piece, so the mean over the lattice tells the layer.
+        # No height crosses a layer within a piece, so the mean over the lattice identifies the
+        # layer.
         middle = sums_of_rows(height) / height.shape[1]
         layer = np.zeros(len(rows), dtype=int)
         for start in layers.starts[1:]:
@@ -585,7 +584,7 @@ class _Sum:
         )
 
     def set_area_to_one(self) -> None:
-        """Make the quotient a sum."""
+        """Set the denominator to 1: the quotient is a sum."""
         self.area = self.arithmetic.ones(*self.area.shape)
         self.size = np.maximum(self.size, 1.0)
         if self.area_slopes is not None:
@@ -598,10 +597,10 @@ class _Sum:
 
 
 class _Layered(NamedTuple):
-    """The layers of one set, each with what lies below it; flat stretches are layers too.
+    """The layers of one set, each with area and moment below it; plateaus are layers too.
 
-    `columns` has the start, area and moment below, a1, a2, b1, b2 and b3 of each;
-    `whole` is the area at the height 1.
+    `columns` has for each its start, area and moment below, a1, a2, b1, b2 and b3; `whole` is the
+    area at height 1.
     """
 
     starts: list[Any]
@@ -629,7 +628,7 @@ def _layered(layers: Layers, arithmetic: Arithmetic) -> _Layered:
 def _pick(
     first: Array, first_slope: Array, second: Array, second_slope: Array, *, larger: bool
 ) -> tuple[Array, Array]:
-    """Return the larger or the smaller of two heights that do not cross, with its slopes."""
+    """Return the larger or smaller of two heights that do not cross, with its slopes."""
     takes_first = (sums_of_rows(first - second) >= 0) == larger
     slope = np.where(takes_first[:, None], first_slope, second_slope)
     return (np.maximum if larger else np.minimum)(first, second), slope
@@ -642,7 +641,7 @@ def _chunks(which: Array, step: int, stop: Stop) -> Iterator[Array]:
 
 
 def _factors(node: StraightAntecedent) -> int:
-    """Return how many memberships an antecedent multiplies."""
+    """Return the number of memberships multiplied in an antecedent."""
     if node.kind == "product":
         return sum(map(_factors, node.operands))
     if node.kind == "not":
@@ -654,14 +653,14 @@ def _factors(node: StraightAntecedent) -> int:
 
 
 class TableValues:
-    """A lookup table over cells that are cut at its levels or thresholds.
+    """A lookup table over cells cut at its levels or thresholds.
 
     Parameters
     ----------
     table : TableHeader
         With its values as a plain sequence or an array, the last axis fastest.
     mode : str
-        How it is looked up.
+        Mode of look-up.
     pieces : Pieces
         Cut at :meth:`positions`, inputs in the order of `names`.
     names : sequence of str
@@ -700,14 +699,14 @@ class TableValues:
 
     @property
     def degree(self) -> int:
-        """Of the table as a polynomial on a simplex."""
+        """The table's degree as a polynomial on a simplex."""
         return len(self.order) if self.mode == "linear" else 0
 
     @staticmethod
     def positions(
         table: TableHeader, mode: str, names: Sequence[str]
     ) -> tuple[list[Fraction], ...]:
-        """Return where each input has to be cut."""
+        """Return the cuts of each input."""
         levels: dict[str, list[Fraction]] = {}
         for axis in table.axes:
             ends = axis.levels if mode == "linear" else axis.thresholds(mode)
@@ -727,7 +726,7 @@ class TableValues:
                 for i, step, size in zip(index, corner, self.values.shape, strict=True)
             )
             values.append(self.values[where][:, None])
-        # The last input varies fastest: neighbours in the list are its ends.
+        # The last input varies fastest: neighbours in the list are its two levels.
         pairs = list(zip(self.order, self.shares, strict=True))
         for place, (left, right) in reversed(pairs):
             a, b = left[cell[:, place]], right[cell[:, place]]
@@ -740,7 +739,7 @@ class TableValues:
 
 
 def _share(levels: list[Fraction], index: int, x: Fraction) -> Fraction:
-    """Return how far x is between two levels; 0 or 1 beyond the ends."""
+    """Return the relative position of x between two levels; 0 or 1 beyond the ends."""
     if len(levels) == 1:
         return Fraction(0)
     low, high = levels[index], levels[index + 1]

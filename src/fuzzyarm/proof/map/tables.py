@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 SECONDS = 10.0
-"""How long a proof of one table may take before the error is only sampled."""
+"""Time budget for the proof of one table; then the error is only sampled."""
 
 
 def table_proof(
@@ -32,17 +32,17 @@ def table_proof(
     output : str
         The output.
     seconds : float
-        For each table; after that nothing is known.
+        Time budget for each table.
 
     Returns
     -------
     callable
-        From a table and a mode of look-up to what the error nowhere exceeds: between sample
-        points, at both sides of thresholds, inputs outside the levels included. None where it
-        cannot be proved in exact pieces: boxes take longer than compiling may.
+        From a table and a mode of look-up to an upper bound of the error: between sample points, on
+        both sides of thresholds, and for inputs outside the levels. None without a proof in exact
+        pieces: boxes take longer than a compilation may.
     """
     provers: dict[bool, Prover] = {}
-    last: list[tuple[LookupTable, Stop]] = []  # the modes of a table share its time
+    last: list[tuple[LookupTable, Stop]] = []  # the modes of a table share its budget
 
     def stop_for(table: LookupTable) -> Stop:
         if not last or last[0][0] is not table:
@@ -72,9 +72,9 @@ def table_proof(
 def cell_errors(
     table: LookupTable, rulebase: RuleBase, mode: str, stop: Stop | None = None
 ) -> Iterator[tuple[tuple[int, ...], Bounds]]:
-    """Prove the error of a table cell by cell: yield lower levels, and what it is above the output.
+    """Yield the error of a table by cell: indices of lower levels, bounds of table minus output.
 
-    UnprovableError: it cannot be proved in exact pieces.
+    UnprovableError: no proof in exact pieces.
     """
     prover = _prover(table, rulebase, table.output)
     prover.demand_pieces("the error in each cell")
@@ -88,7 +88,7 @@ def cell_errors(
 
 
 def _covers(table: LookupTable, rulebase: RuleBase, output: str) -> bool:
-    # Over fewer inputs there are far fewer pieces; a table may have more axes all the same.
+    # Fewer inputs have far fewer pieces; a table may have more axes than that.
     part = part_for(rulebase, [output])
     return set(table.names) <= {variable.name for variable in part.inputs}
 

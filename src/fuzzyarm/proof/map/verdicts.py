@@ -1,9 +1,9 @@
 """Verdicts on the statements of ``prove`` lines: proved, refuted or undecided.
 
 A verdict carries its evidence: a bound and the number of pieces, or points ready to paste as
-``expect`` lines, evaluated in exact arithmetic. *Refuted* is said only where exact arithmetic
-has confirmed it, *proved* only where every piece is covered; everything else is undecided,
-with the bounds that were reached and why the search stopped.
+``expect`` lines, evaluated in exact arithmetic. *Refuted* is confirmed in exact arithmetic,
+*proved* covers every piece; everything else is undecided, with the bounds so far and the reason why
+the search stopped.
 """
 
 from __future__ import annotations
@@ -52,24 +52,24 @@ class Verdict(Shown):
     verdict : str
         ``proved``, ``refuted`` or ``undecided``.
     bound : tuple of float, float or None
-        What was proved all the same: (low, high) of the value, the slope or the sum at
-        opposite points, the worst error of a table. None where nothing is known.
+        The proved bound, whatever the verdict: (low, high) of the value, the slope or the sum at
+        opposite points, the worst error of a table. None without one.
     evidence : tuple of str
         ``expect`` lines with a point or a pair of points at which it fails.
     pieces : int
-        How many simplices or boxes were looked at.
+        Number of simplices or boxes examined.
     seconds : float
-        How long it took.
+        Time taken.
     way : str
         ``exact`` (rationals), ``widened`` (floats, rounded outward), ``boxes`` or empty.
     reason : str
         Why it is undecided or refuted, or why boxes were used.
     line : int
-        Of the file; 0 for a statement from elsewhere.
+        Line in the file; 0 for a statement from elsewhere.
     output : str
-        Which output it is about.
+        Name of the output.
     points : tuple of dict of str to float
-        Where a refuted statement fails: a point, or two.
+        Points at which a refuted statement fails: one or two.
     """
 
     statement: str
@@ -118,16 +118,16 @@ def read_property(rulebase: RuleBase, text: str, argument: str = "") -> Property
     Parameters
     ----------
     rulebase : RuleBase
-        What the statement is about.
+        The rule base of the statement.
     text : str
         The statement, with or without ``prove`` in front.
     argument : str, optional
-        As what the text was given; an error begins with it.
+        Name of the argument with the text; an error begins with it.
 
     Raises
     ------
     RuleBaseError
-        With what is wrong with it, and what was probably meant.
+        If it cannot be read, with the likely meaning.
     """
     statement = text if text.split(maxsplit=1)[:1] == ["prove"] else f"prove {text}"
     head = write(replace(rulebase, properties=rulebase.properties[:0], expectations=()))
@@ -155,7 +155,7 @@ def property_text(claim: Property, rulebase: RuleBase) -> str:
     claim : Property
         The statement.
     rulebase : RuleBase
-        What it is about.
+        The rule base of the statement.
     """
     node: ProveNode = property_node(claim, rulebase)
     return str(node).removeprefix("prove ")
@@ -179,12 +179,12 @@ def prove(
     statement : str or Property
         As after ``prove`` in a file: ``"u rises with e"``.
     tolerance : float, optional
-        How far a bound may be from what is attained, in units of what is bounded; 1e-8 of
-        the range of the output by default.
+        Largest gap between bounds and attained values, in their units; 1e-8 of the range of the
+        output by default.
     budget : float
-        Seconds after which it stays undecided.
+        Seconds until the verdict is undecided.
     exact : bool
-        Compute in rationals throughout, so that bounds are not widened.
+        Compute in rationals only, without widening.
     tell : callable, optional
         Called with the statement, the number of pieces and the gap between the bounds; NaN while
         pieces are still being cut.
@@ -238,12 +238,12 @@ def prove_all(
 
 
 MOST_CORNERS = 729
-"""Points at which a statement is tried before it is searched by boxes: three for each of six
-inputs, or the first so many corners of a region of more."""
+"""Points of a first test before the search by boxes: three per input for six inputs, or the first
+of these for more."""
 
 
 class _Case:
-    """One statement on trial."""
+    """The proof of one statement."""
 
     def __init__(
         self,
@@ -270,7 +270,7 @@ class _Case:
 
     @property
     def prover(self) -> Prover:
-        """The prover of the output, with what it has cut for other statements."""
+        """The prover of the output, with its pieces cut for other statements."""
         prover = self.provers.get(self.claim.output)
         if prover is None:
             prover = Prover(
@@ -290,10 +290,10 @@ class _Case:
             "covered": self._covered,
             "table": self._table,
         }[self.claim.kind]
-        self.stop.say(0)  # before anything takes long
+        self.stop.say(0)  # before any long work
         try:
             return judge()
-        except FuzzyarmError as error:  # out of time, nothing to prove, not a table
+        except FuzzyarmError as error:  # no time left, unprovable, not a table
             return self._said(UNDECIDED, reason=_sentence(error))
 
     def _said(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:
@@ -325,7 +325,7 @@ class _Case:
         assert outcome is not None
         low, high, strict = _interval(outcome.relation, outcome.value, outcome.other, prover.range)
         sides = [(-1, low), (1, high)]
-        if prover.model is None:  # the search by boxes is long, a point cheap
+        if prover.model is None:  # boxes take long, a point is cheap
             evidence = self._at_corners(
                 _Beyond(sign, Fraction(limit), strict=strict)
                 for sign, limit in sides
@@ -336,7 +336,7 @@ class _Case:
         silence_open = ""
         try:
             no_rule = self._without_value()
-        except FuzzyarmError as error:  # the bounds may refute it all the same
+        except FuzzyarmError as error:  # the bounds may still refute it
             no_rule, silence_open = None, _sentence(error)
         if no_rule is not None:
             return no_rule
@@ -377,12 +377,12 @@ class _Case:
         )
         if sign * (limit - bound) > 0.0 or (not strict and limit == bound):
             return PROVED, bounds
-        if math.isinf(limit):  # the other side of `<` and `>`
+        if math.isinf(limit):  # the open side of `<` and `>`
             return PROVED, bounds
         beyond = _Beyond(sign, Fraction(limit), strict=strict)
         no_rule = prover.no_rule
         if no_rule is not None and beyond(Fraction(no_rule)):
-            # The pieces do not know the value for no rule; the bounds do.
+            # The bounds include the value for no rule, the pieces do not.
             silent = prover.without_value(self.region)
             if silent is not None:
                 return self._shown(silent, beyond), bounds
@@ -390,7 +390,7 @@ class _Case:
             confirmed = self._confirmed(at, beyond)
             if confirmed is not None:
                 return confirmed, bounds
-        if prover.output.outside == "clamp":  # no value is on the other side of its range
+        if prover.output.outside == "clamp":  # no value lies outside its range
             nearest = prover.output.low if sign > 0 else prover.output.high
             if math.isfinite(nearest) and beyond(Fraction(nearest)):
                 return self._shown(at, beyond) if at else UNDECIDED, bounds
@@ -399,7 +399,7 @@ class _Case:
     def _decided(
         self, bounds: Bounds, sign: int, limit: float, beyond: _Beyond
     ) -> tuple[str | tuple[str, ...], Bounds]:
-        """Decide one end that the bounds do not: by asking just that."""
+        """Decide an end that the bounds leave open, by a direct question."""
         prover, strict = self.prover, beyond.strict
         if prover.model is None:
             holds, boxes = prover.boxes_at_most(self.region, sign * limit, negated=sign < 0)
@@ -416,9 +416,9 @@ class _Case:
         return self._shown(claim.at, beyond), bounds
 
     def _without_value(self) -> Verdict | None:
-        """Refute a statement on the value where the output has none; leave open what it holds."""
+        """Refute a statement where the output has no value; leave it open where it holds one."""
         prover = self.prover
-        prover.stop = self.stop.half()  # the other half is for the bounds
+        prover.stop = self.stop.half()  # the second half is for the bounds
         missing = prover.missing(self.region)
         if missing is None:
             return None
@@ -430,7 +430,7 @@ class _Case:
         return self._said(REFUTED, reason=missing.reason)
 
     def _silence(self, at: Mapping[str, Any]) -> str:
-        """Report where no rule fires, and whether floats agree."""
+        """Report a point without a firing rule, and whether floats agree."""
         from fuzzyarm.inference import compiled, explain
 
         self._note(at)
@@ -449,13 +449,13 @@ class _Case:
         return bool(outputs[self.claim.output].consequents)
 
     def _note(self, at: Mapping[str, Any]) -> None:
-        """Remember a point at which the statement fails, if it is refuted."""
+        """Record a point of failure, for a refutation."""
         self.failing.append({name: float(x) for name, x in at.items()})
 
     # --- evidence: floats at a point found in exact arithmetic ---
 
     def _inferred(self, at: Mapping[str, Any]) -> float | None:
-        """Return the output at a point as inference gives it; None where it has none."""
+        """Return the output at a point by inference; None without a value."""
         from fuzzyarm.inference import infer
 
         point = {name: float(x) for name, x in at.items()}
@@ -468,10 +468,10 @@ class _Case:
     def _confirmed(
         self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
     ) -> tuple[str, ...] | None:
-        """Return a point as evidence, if exact arithmetic says that a statement fails there.
+        """Return a point as evidence, if the statement fails there in exact arithmetic.
 
-        The point with the fewest digits at which inference shows it, too, is taken. Where there are
-        no exact pieces inference alone says it, by more than an `expect` line allows.
+        Preferred is the point with the fewest digits at which inference fails, too. Without exact
+        pieces inference alone decides, by more than the tolerance of an `expect` line.
         """
         for digits in (0, 1, 2, 3, 6, None):
             near = self._rounded(at, digits)
@@ -490,7 +490,7 @@ class _Case:
         return None
 
     def _clearly(self, fails: Callable[[Fraction], bool], value: float) -> bool:
-        """Tell whether a statement fails for all values that are the same to an `expect` line."""
+        """Return whether a statement fails for all values within the tolerance of `expect`."""
         slack = LIKE_EXPECT * self.prover.range
         return fails(Fraction(value - slack)) and fails(Fraction(value + slack))
 
@@ -507,7 +507,7 @@ class _Case:
         return ()
 
     def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:
-        """Return a point to some digits after the decimal point, inside the box."""
+        """Return a point rounded to `digits` decimals, inside the box."""
         ends = self.prover.box(self.region)
         return {
             name: x if digits is None else min(max(round(x, digits), float(low)), float(high))
@@ -515,7 +515,7 @@ class _Case:
         }
 
     def _points(self, points: list[Mapping[str, Any]]) -> tuple[str, ...]:
-        """Return points as evidence, where inference has the values of exact arithmetic."""
+        """Return points as evidence, if inference has the values of exact arithmetic."""
         pairs = []
         for at in points:
             near = {name: float(x) for name, x in at.items()}
@@ -556,7 +556,7 @@ class _Case:
     def _pair_along(
         self, at: Mapping[str, Fraction], sign: int
     ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
-        """Return two points along the input, of which the second is lower (or higher)."""
+        """Return two points along the input, the second one with a lower (or higher) output."""
         here = {name: float(x) for name, x in at.items()}
         for digits in (0, 1, 2, 3, 6, None):
             pair = self._pair_on_line(
@@ -591,7 +591,7 @@ class _Case:
         inputs = {other: np.full(len(positions), x) for other, x in fixed.items()}
         inputs[name] = np.array(positions)
         values = np.asarray(infer(self.rulebase, inputs)[self.claim.output]) * sign
-        # The largest fall from any point to a later one: below the highest value so far.
+        # The largest fall from any point to a later one: from the running maximum.
         before = np.maximum.accumulate(values)
         drop = before - values
         second = int(drop.argmax())
@@ -627,7 +627,7 @@ class _Case:
     def _steep_pair(
         self, at: Mapping[str, Fraction], sign: int, limit: float
     ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
-        """Return two points close to each other between which the slope is beyond a limit."""
+        """Return two close points with a difference quotient beyond a limit."""
         prover, name = self.prover, self.claim.input
         axis = prover.names.index(name)
         low, high = prover.box(self.region)[axis]
@@ -688,7 +688,7 @@ class _Case:
         at = bounds.at_high if above else bounds.at_low
         if max(bounds.reached_high, -bounds.reached_low) > claim.high + LIKE_EXPECT * prover.range:
             inputs = [at[name] for name in table.names]
-            # The supremum next to a threshold is that of the cell beside it.
+            # Next to a threshold the supremum belongs to the neighbouring cell.
             there = Fraction(float(table.lookup(*inputs, mode=claim.mode)))
             far = claim.high
 
@@ -710,7 +710,7 @@ class _Case:
         return self._said(UNDECIDED, **facts)
 
     def _demand_time_for_table(self) -> None:
-        """Refuse a table whose values alone take longer than there is time."""
+        """Refuse a table whose values alone take longer than the budget."""
         from fuzzyarm.inference.effort import microseconds
         from fuzzyarm.inference.plan import part_for
         from fuzzyarm.table.compiler import choose_axes
@@ -723,7 +723,7 @@ class _Case:
 
 
 class _Beyond:
-    """Whether a value is above a limit (sign 1) or below it (-1); or on it, where excluded."""
+    """Whether a value is above a limit (sign 1) or below it (-1), or equal if excluded."""
 
     def __init__(self, sign: int, limit: Fraction, *, strict: bool = False) -> None:
         self.sign, self.limit, self.strict = sign, limit, strict
@@ -736,7 +736,7 @@ class _Beyond:
 def _interval(
     relation: str, value: float, other: float | None, width: float
 ) -> tuple[float, float, bool]:
-    """Return the interval that a relation allows, and whether its ends are excluded."""
+    """Return the interval of a relation, and whether its ends are excluded."""
     if relation == "in":
         assert other is not None
         return value, other, False

@@ -1,7 +1,7 @@
-"""The memoryless part of one axis of a controller, line by line, with a law for each signal.
+"""The static part of one axis of a controller, line by line, with a law for each signal.
 
-A control period (:mod:`fuzzyarm.control.controllers.period`) over laws: it knows slopes, and asks
-rule bases for what :mod:`fuzzyarm.proof.map.sector` proves. The ranges of the sources are those of
+A control period (:mod:`fuzzyarm.control.controllers.period`) over laws, with the slopes and sectors
+of rule bases from :mod:`fuzzyarm.proof.map.sector`. The ranges of the sources are those of
 :mod:`fuzzyarm.control.controllers.reach`.
 """
 
@@ -61,21 +61,21 @@ from fuzzyarm.symbolic.sources import CHOICE, Chosen, Setting
 from fuzzyarm.table import LookupTable
 
 BOXES_SECONDS = 2.0
-"""How long the range of one rule base may take that goes by boxes: its bounds only get closer."""
+"""Time budget for the range of a rule base by boxes: more time only tightens it."""
 
 
 # ── one axis ──────────────────────────────────────────────────────────────────────────
 
 
 class AxisLines:
-    """One axis of a controller: its lines, its sources, and what has been proved already.
+    """One axis of a controller: its lines, its sources, and the results so far.
 
     Attributes
     ----------
     definitions : dict
-        By the name of a source, what it is and the law of the signal that it is taken of.
+        By the name of a source: its definition and the law of its signal.
     only_values : bool
-        Whether rule bases are only evaluated, at a point.
+        Evaluate rule bases at a point only.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class AxisLines:
         return self._names[of]
 
     def remember(self, name: str, of: Source, inner: SignalLaw | None) -> None:
-        """Record the definition of a source; only the first walk knows it."""
+        """Record the definition of a source, known to the first walk only."""
         self.definitions.setdefault(name, (of, inner))
 
     # --- queries of rule bases; axes share the answers ---
@@ -117,7 +117,7 @@ class AxisLines:
         return prover
 
     def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
-        """Return bounds of an output; None if there are none."""
+        """Return bounds of an output; None without any."""
         key = "value", id(prover), tuple(sorted(region.items()))
         if key not in self._cache:
             if prover.model is None:
@@ -158,7 +158,7 @@ class AxisLines:
 
 
 class Asked(NamedTuple):
-    """The subject of a walk: ranges of the sources, and the weights of σ (none: no sector)."""
+    """The question of a walk: ranges of the sources, and the weights of σ (none: no sector)."""
 
     at: Mapping[str, Interval]
     form: Mapping[str, float]
@@ -168,9 +168,9 @@ class Asked(NamedTuple):
 class _Notes:
     """Records of a walk.
 
-    `zones`: where each source keeps its inputs within their universes; `points`: sources at
-    which rule bases have their extremes; `groups`: the sources that meet in a rule base; `flat`:
-    what has the slope 0 around rest.
+    `zones`: ranges of sources that keep inputs within their universes; `points`: sources at the
+    extremes of rule bases; `groups`: the sources of each rule base; `flat`: signals with slope 0
+    around rest.
     """
 
     zones: dict[str, Interval] = field(default_factory=dict)
@@ -180,7 +180,7 @@ class _Notes:
 
 
 class LineWalk(Algebra[SignalLaw]):
-    """Laws as the numbers of a control period of an axis, with sources where needed."""
+    """The algebra of laws for a control period of one axis, with sources where needed."""
 
     def __init__(self, case: AxisLines, question: Asked) -> None:
         self.case = case
@@ -189,12 +189,12 @@ class LineWalk(Algebra[SignalLaw]):
         self.drives: dict[str, list[tuple[Drive, SignalLaw]]] = {}
 
     def run(self) -> LineWalk:
-        """Go over all lines."""
+        """Walk all lines."""
         ControlPeriod(self.case.text, self).run({}, {}, only={self.case.name})
         return self
 
     def drive(self, axis: str, line: Drive, value: SignalLaw) -> SignalLaw:
-        """Note a drive, before its limits."""
+        """Record a drive, before its limits."""
         self.drives.setdefault(line.port, []).append((line, value))
         return value
 
@@ -231,17 +231,17 @@ class LineWalk(Algebra[SignalLaw]):
         return over(a, b)
 
     def limit(self, x: SignalLaw, low: float, high: float) -> SignalLaw:
-        """Return it unchanged: limits of drives are judged by the records."""
+        """Return it unchanged: limits of drives are judged from the records."""
         return x
 
     def near(self, x: SignalLaw, before: SignalLaw, most: float) -> SignalLaw:
-        """Return it as it is."""
+        """Return it unchanged."""
         return x
 
     # --- sources ---
 
     def source(self, update: Update[SignalLaw]) -> SignalLaw:
-        """Return a curve of its signal, or a source of its own, where needed."""
+        """Return a curve of its signal, or else a new source."""
         of = update.source
         curve = self._curve(update)
         if curve is not None:
@@ -263,7 +263,7 @@ class LineWalk(Algebra[SignalLaw]):
         return SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along, hole=hole)
 
     def _curve(self, update: Update[SignalLaw]) -> Node | None:
-        """Return a source as an expression over ``x``, where it is one: it remembers nothing."""
+        """Return a source as an expression over ``x``, if it has no memory."""
         kind = update.kind
         if kind.of != "signal" or kind.states or kind.function is None:
             return None
@@ -277,7 +277,7 @@ class LineWalk(Algebra[SignalLaw]):
     def zoom(
         self, line: Zoom, signals: Mapping[str, SignalLaw], by: SignalLaw, inside: SignalLaw
     ) -> dict[str, SignalLaw]:
-        """Return magnified signals, which keep their slopes within the window only."""
+        """Return magnified signals, with their slopes inside the window only."""
         return {name: self._zoomed(law, by, inside) for name, law in signals.items()}
 
     def _zoomed(self, law: SignalLaw, by: SignalLaw, inside: SignalLaw) -> SignalLaw:
@@ -308,7 +308,7 @@ class LineWalk(Algebra[SignalLaw]):
         return [self._conclusion(sheet, output.name, laws) for output in sheet.outputs]
 
     def learn(self, lesson: Lesson[SignalLaw]) -> None:
-        """Leave it: the table is unknown where it is looked up."""
+        """Ignore it: a learning table is unknown at its look-up."""
 
     def _note_group(self, laws: Mapping[str, SignalLaw]) -> None:
         sources: dict[str, None] = {}
@@ -359,12 +359,12 @@ class LineWalk(Algebra[SignalLaw]):
         return self.case.hole(prover, region)
 
     def _note_zone(self, law: SignalLaw, universe: Interval) -> None:
-        """Remember where a source takes its input to the ends of the universe."""
+        """Record the range of a source that keeps its input in the universe."""
         if law.linear is None or len(law.linear) != 1 or not math.isfinite(largest(universe)):
             return
         ((name, weight),) = law.linear.items()
         if weight:
-            # An input that is weight · source stays in its universe while the source stays in this.
+            # An input weight · source stays in its universe while the source stays in this range.
             zone = combine("divide", universe, Interval(weight, weight))
             interval = self.notes.zones.get(name)
             self.notes.zones[name] = zone if interval is None else overlap(interval, zone)
@@ -372,7 +372,7 @@ class LineWalk(Algebra[SignalLaw]):
     def _range(
         self, prover: Prover, region: Mapping[str, Any], laws: Mapping[str, SignalLaw]
     ) -> Interval:
-        """Return where a conclusion can be; that of the whole output where no bound is closer."""
+        """Return the range of a conclusion; that of the whole output without a tighter bound."""
         output = prover.output
         whole = Interval(output.low, output.high) if prover.stays_inside else EVERYTHING
         if prover.no_rule is not None:
@@ -389,7 +389,7 @@ class LineWalk(Algebra[SignalLaw]):
         return Interval(bounds.low, bounds.high)
 
     def _note_point(self, point: Mapping[str, float], laws: Mapping[str, SignalLaw]) -> None:
-        """Remember the sources at which a rule base has an extreme."""
+        """Record the sources at an extreme of a rule base."""
         values: dict[str, float] = {}
         for name, law in laws.items():
             if law.linear is None or len(law.linear) != 1 or name not in point:
@@ -432,15 +432,15 @@ class LineWalk(Algebra[SignalLaw]):
             then = "" if has_value else ", where there is no value"
             return f"an input leaves its universe{then}", 0.0
         if beyond:
-            gains = hull(gains, NOTHING)  # the value stays where the input is cut off
+            gains = hull(gains, NOTHING)  # a clamped input has the slope 0
         return combined("multiply", gains, by), sector.slack
 
     def _weights(
         self, moving: Sequence[str], laws: Mapping[str, SignalLaw]
     ) -> tuple[dict[str, Fraction], Interval] | str:
-        """Return a sum of the inputs of a rule base, and between which multiples of σ it lies.
+        """Return a sum of a rule base's inputs, and its sector over σ.
 
-        One input is what its own law says; of several each is a multiple of one source of σ.
+        A single input has the sector of its law; of several each is a multiple of one source of σ.
         """
         if len(moving) == 1:
             along = laws[moving[0]].along
@@ -455,7 +455,7 @@ class LineWalk(Algebra[SignalLaw]):
             weights[name] = Fraction(remaining.pop(source)) / Fraction(weight)
         if remaining:
             return "it depends on a part of the sum only"
-        # In small numbers: the weight of the first input is 1, and its own goes into the gain.
+        # Normalised: the first input has weight 1, its own weight goes into the gain.
         base = weights[moving[0]]
         by = combined("divide", ONE, Interval(float(base), float(base)))
         return {name: _simple(weight / base) for name, weight in weights.items()}, by
@@ -498,13 +498,13 @@ def _chained(slopes: Slopes, laws: Mapping[str, SignalLaw]) -> tuple[Gains | str
         for name, law in laws.items():
             assert isinstance(law.around, dict)
             gain = Interval(*map(float, slopes.around(name)))
-            # The chain rule, over all pieces that meet at rest.
+            # Chain rule, over all pieces around rest.
             slope = combine("multiply", gain, law.around.get(source, NOTHING))
             total = combine("add", total, slope)
         around[source] = gains[source] = total
         inner = {name: dict(law.gains).get(source, NOTHING) for name, law in laws.items()}  # type: ignore[arg-type]
-        # Where each input has one slope by the source, the source moves along a line: two pieces,
-        # one ahead and one back.
+        # If each input has one slope by the source, the source moves along a line: two pieces, one
+        # ahead and one back.
         if all(interval.low == interval.high for interval in inner.values()):
             ways = {name: Fraction(interval.low) for name, interval in inner.items()}
             ahead = slopes.along(ways)
@@ -516,7 +516,7 @@ def _chained(slopes: Slopes, laws: Mapping[str, SignalLaw]) -> tuple[Gains | str
 
 
 def _simple(ratio: Fraction) -> Fraction:
-    """Return a ratio of floats as the small fraction nearest to it, where there is one."""
+    """Return a ratio of floats as the nearest small fraction, if there is one."""
     near = ratio.limit_denominator(10**6)
     return near if abs(near - ratio) <= abs(ratio) / 10**12 else ratio
 
@@ -540,6 +540,6 @@ def _setting_words(of: Source, word: str, value: Setting) -> str:
 
 
 def _names_of(sources: Iterable[Source]) -> dict[Source, str]:
-    """Return a name for each source: two that differ in an option are not the same."""
+    """Return a unique name for each source, options included."""
     short = Counter(map(source_name, dict.fromkeys(sources)))
     return {of: source_name(of, whole=short[source_name(of)] > 1) for of in sources}
