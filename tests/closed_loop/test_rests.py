@@ -24,7 +24,13 @@ from fuzzyarm.plant.arm import (
     motor_torque,
 )
 from fuzzyarm.proof.check import check_certificate
-from fuzzyarm.proof.loop import LoopVerdict, prove_loop, read_claim
+from fuzzyarm.proof.loop import (
+    LoopVerdict,
+    prove_loop,
+    read_certificate,
+    read_claim,
+    write_certificate,
+)
 
 H = 0.1
 ARM = "examples/closed_loop/loaded_arm.py"
@@ -98,10 +104,17 @@ def test_no_run_contradicts_a_region_of_all_weights(gain, damping, mass, weight,
         return
     assert max(map(abs, weights)) < 1.0  # there is no rest beyond the limits of the force
     generator = np.random.default_rng(seed)
+    for part in verdict.certificate.by_part:
+        ends = {name: (low, high) for name, low, high in part.claim.parameters}
+        demand_fall(part.region, gain, damping, ends, generator)
+
+
+def demand_fall(region, gain, damping, ends, generator):
+    """Demand that V falls along runs from the border of a region, for drawn parameters."""
     count = 500
-    m, w = (generator.uniform(*ends, count) for ends in (masses, weights))
-    m[:2], w[:2] = masses, weights
-    p = np.array(verdict.certificate.region.p, float)
+    m, w = (generator.uniform(*ends[name], count) for name in "mw")
+    m[:2], w[:2] = ends["m"], ends["w"]
+    p = np.array(region.p, float)
     way = np.linalg.solve(np.linalg.cholesky(p).T, generator.standard_normal((2, count)))
     z = way / np.sqrt(np.einsum("ik,ij,jk->k", way, p, way)) * generator.uniform(0.9, 1, count)
     rest = -w / gain
@@ -125,7 +138,133 @@ def test_one_parameter_without_a_stable_rest_is_enough(mass, weight):
     moves = np.array([after_a_period(*z, gain, damping, mass[0], 0.0) for z in np.eye(2) * 1e-3])
     unstable = abs(np.linalg.eigvals(moves.T * 1e3)).max() > 1.0
     assert unstable == (mass[0] == 0.4)
-    assert not proved(gain, damping, mass, weight).proved
+    verdict = proved(gain, damping, mass, weight)
+    assert verdict.verdict == ("refuted" if unstable else "undecided")
+    if unstable:  # of a part of the masses
+        assert verdict.evidence[1].startswith("with m in 0.4 .. 0.4")
+
+
+# ── parts of the parameters ──────────────────────────────────────────────────────────
+
+
+@pytest.fixture(scope="module")
+def by_parts():
+    verdict = proved(2.0, 2.0, (0.9, 1.2), (-0.9, 0.9))
+    assert verdict.proved
+    assert len(verdict.parts) > 1
+    return verdict
+
+
+def test_a_wide_interval_is_proved_in_parts_with_one_certificate(by_parts, tmp_path):
+    low, high = by_parts.rests["x"]
+    assert low <= -0.45 < 0.45 <= high
+    write_certificate(by_parts.certificate, str(tmp_path / "hoist.json"))
+    read = read_certificate(str(tmp_path / "hoist.json"))
+    checked = check_certificate(read, pd(2.0, 2.0), Hoist())
+    assert checked.proved, checked.reason
+    assert (checked.rests, checked.region) == (by_parts.rests, by_parts.region)
+    assert f"in {len(by_parts.parts)} parts of its parameters" in str(checked)
+
+
+def test_parts_state_what_the_smallest_region_reaches(by_parts):
+    reach = []
+    for part in by_parts.certificate.by_part:
+        p = np.array(part.region.p, float)
+        reach.append(np.sqrt(np.diag(np.linalg.inv(p))))
+    half = [
+        (high - low - width) / 2
+        for (low, high), width in zip(
+            (by_parts.region[name] for name in "xv"),
+            (np.diff(by_parts.rests["x"])[0], 0.0),
+            strict=True,
+        )
+    ]
+    assert half == pytest.approx(np.min(reach, axis=0).tolist(), rel=1e-6)
+    alone = [float(part.region.p[0][0]) ** -0.5 for part in by_parts.certificate.by_part]
+    assert by_parts.start_region["x"] == pytest.approx(min(alone), rel=1e-6)
+
+
+def without_a_part(certificate):
+    return replace(certificate, parts=certificate.parts[1:])
+
+
+def narrower(certificate):
+    first = certificate.parts[0]
+    (name, low, high), *others = first.parameters
+    gap = ((name, low, np.nextafter(high, low)), *others)
+    return replace(certificate, parts=(first._replace(parameters=gap), *certificate.parts[1:]))
+
+
+def with_one_name_less(certificate):
+    first = certificate.parts[0]
+    less = first._replace(parameters=first.parameters[:1])
+    return replace(certificate, parts=(less, *certificate.parts[1:]))
+
+
+def with_one_name_twice(certificate):
+    first = certificate.parts[0]
+    twice = first._replace(parameters=(*first.parameters, first.parameters[0]))
+    return replace(certificate, parts=(twice, *certificate.parts[1:]))
+
+
+def with_a_region_beside(certificate):
+    return replace(certificate, regions=certificate.parts[0].regions)
+
+
+def with_another_region(certificate):
+    first, second, *others = certificate.parts
+    return replace(certificate, parts=(first._replace(regions=second.regions), second, *others))
+
+
+def of_a_map(certificate):
+    return replace(certificate, window=(("x", -0.1, 0.1),))
+
+
+def in_continuous_time(certificate):
+    """Return it with one part that another loop proves: the plant under the law without a period.
+
+    Its region is one of that loop, so that nothing else is wrong.
+    """
+    first = certificate.parts[0]
+    words = ", ".join(f"{name} in {low!r} .. {high!r}" for name, low, high in first.parameters)
+    claim = read_claim(f"stable with {words}", "hoist")
+    verdict = prove_loop(pd(2.0, 2.0), claim, plant=Hoist(), budget=60.0, continuous=True)
+    assert verdict.proved
+    other = first._replace(regions=verdict.certificate.regions)
+    return replace(certificate, parts=(other, *certificate.parts[1:]))
+
+
+def of_wider_parameters(certificate):
+    claim = certificate.claim
+    (name, low, high), *others = claim.parameters
+    wider = ((name, low, np.nextafter(high, np.inf)), *others)
+    return replace(certificate, claim=replace(claim, parameters=wider))
+
+
+@pytest.mark.parametrize(
+    "falsified",
+    [without_a_part, narrower, with_one_name_less, with_one_name_twice, with_a_region_beside,
+     with_another_region, of_a_map, of_wider_parameters, in_continuous_time],
+)  # fmt: skip
+def test_parts_that_do_not_prove_the_claim_are_refused(by_parts, falsified):
+    certificate = falsified(by_parts.certificate)
+    checked = check_certificate(certificate, pd(2.0, 2.0), Hoist())
+    assert not checked.proved
+
+
+def test_a_part_that_is_undecided_is_named(by_parts):
+    verdict = prove_loop(
+        pd(2.0, 2.0), read_claim("stable with w in 0 .. 1.5", "hoist"), plant=Hoist(), budget=60.0
+    )
+    assert verdict.verdict == "undecided"  # from 1 on there is no rest
+    proved_until = max(
+        float(line.rpartition(" .. ")[2]) for line in verdict.evidence if "proved" in line
+    )
+    assert 0.7 < proved_until < 1.0
+    assert verdict.reason.startswith("with w in ")
+
+
+# ── guards ───────────────────────────────────────────────────────────────────────────
 
 
 def test_a_guard_of_rests_that_differ_is_refused(tmp_path):
@@ -134,6 +273,14 @@ def test_a_guard_of_rests_that_differ_is_refused(tmp_path):
     verdict = proved(2.0, 2.0, (1.0, 1.0), (-0.1, 0.3))
     checked = check_certificate(verdict.certificate, pd(2.0, 2.0), Hoist())
     with pytest.raises(ExportError, match="rests elsewhere"):
+        _demand_region(checked)
+
+
+def test_a_guard_of_several_parts_is_refused(by_parts):
+    from fuzzyarm.exchange.export.certified_guard import _demand_region
+
+    checked = check_certificate(by_parts.certificate, pd(2.0, 2.0), Hoist())
+    with pytest.raises(ExportError, match="parts of its parameters"):
         _demand_region(checked)
 
 
@@ -172,24 +319,19 @@ PER_ERROR = 1080.0 / np.pi * 20.0 / 6.0 * motor_torque(1.0, 0.0, RATIOS[0])
 @pytest.mark.slow(seconds=6)
 def test_the_linear_law_holds_the_arm_level_with_any_load():
     gravity = [gravity_torque(arm, [0.0, 0.0])[0] for arm in (UNLOADED, LOADED)]
-    for ends in ((0.0, 0.5), (0.5, 1.0)):
-        claim = f"stable on '{ARM}:HeldJoint' with load in {ends[0]} .. {ends[1]}"
-        verdict = prove(kept("joint-pd"), claim)
-        assert verdict.proved, str(verdict)
-        low, high = verdict.rests["position"]
-        droop = [-np.interp(x, (0.0, 1.0), gravity) / (100.0 * PER_ERROR) for x in ends]
-        assert low <= min(droop) < max(droop) <= high
+    verdict = prove(kept("joint-pd"), f"stable on '{ARM}:HeldJoint' with load in 0 .. 1")
+    assert verdict.proved, str(verdict)
+    low, high = verdict.rests["position"]
+    droop = [-torque / (100.0 * PER_ERROR) for torque in gravity]
+    assert low <= min(droop) < max(droop) <= high
 
 
 @pytest.mark.slow(seconds=12)
 def test_the_servo_holds_the_arm_level_with_any_load():
     proofs = prove("examples/closed_loop/joint-servo.frb", trust=True)
     verdicts = [proof for proof in proofs if isinstance(proof, LoopVerdict)]
-    assert [verdict.verdict for verdict in verdicts] == ["proved"] * 4
-    parts = [verdict.claim.parameters[0] for verdict in verdicts]
-    assert [end for _, low, high in parts for end in (low, high)] == [
-        0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0,
-    ]  # fmt: skip
+    assert [verdict.verdict for verdict in verdicts] == ["proved"]
+    assert verdicts[0].claim.parameters == (("load", 0.0, 1.0),)
 
 
 def radius(damping, arm):

@@ -134,6 +134,12 @@ def _demand_region(checked: Checked) -> None:
             f"the certificate is of {what}, and a guard is made of a region alone",
             hint="prove --stable --certificate, without --map, --from and --claim",
         )
+    if certificate.parts:
+        raise ExportError(
+            f"the certificate has a region for each of {len(certificate.parts)} parts of its"
+            " parameters, and a guard tests one",
+            hint="prove it with one value of each parameter",
+        )
     if certificate.continuous:
         raise ExportError(
             "the certificate is of the loop in continuous time, and a guard tests at samples",

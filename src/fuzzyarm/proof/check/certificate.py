@@ -112,6 +112,14 @@ class TubeProof(NamedTuple):
     into: tuple[Literal["regions", "tubes", ""], int] = ("", 0)
 
 
+class Part(NamedTuple):
+    """A part of the parameters of a claim, and what proves the claim of it."""
+
+    parameters: tuple[Stretch, ...]  # in place of those of the claim, by the same names
+    regions: tuple[RegionProof, ...]
+    tubes: tuple[TubeProof, ...]
+
+
 @dataclass(frozen=True)
 class Certificate:
     """A proof of a claim about a loop, if the checker accepts it.
@@ -141,6 +149,8 @@ class Certificate:
     folder : str
         Base folder of the paths in it (`controller`, the plant of `claim`): that of its own file;
         empty for the working folder.
+    parts : tuple of Part
+        Parts of the parameters, together the whole, in place of `regions` and `tubes`.
     """
 
     claim: LoopClaim
@@ -154,6 +164,7 @@ class Certificate:
     window: tuple[Stretch, ...] = ()
     delays: Mapping[str, float] = field(default_factory=dict)
     folder: str = field(default="", compare=False)
+    parts: tuple[Part, ...] = ()
 
     def place(self, name: str) -> str:
         """Return a path in the certificate relative to the working folder."""
@@ -181,13 +192,22 @@ class Certificate:
         return self.regions[0]
 
     @property
+    def by_part(self) -> tuple[Certificate, ...]:
+        """The certificates of its parts; itself where it has none."""
+        return tuple(
+            replace(self, claim=replace(self.claim, parameters=part.parameters),
+                    regions=part.regions, tubes=part.tubes, parts=())
+            for part in self.parts
+        ) or (self,)  # fmt: skip
+
+    @property
     def continuous(self) -> bool:
         """Whether the loop is taken in continuous time."""
-        return any(region.continuous for region in self.regions)
+        return any(region.continuous for part in self.by_part for region in part.regions)
 
     def as_data(self) -> dict[str, Any]:
         """Return the certificate as plain data, sealed."""
-        return sealed({
+        data = {
             "format": FORMAT,
             "claim": _claim_data(self.claim),
             "sensors": {
@@ -200,9 +220,13 @@ class Certificate:
             "sha256": _plain(self.fingerprints),
             "proved": _plain(self.digests),
             "window": _rows(self.window),
-            "regions": list(map(_region_data, self.regions)),
-            "tubes": _plain(self.tubes),
-        })  # fmt: skip
+            **_proof_data(self),
+        }  # fmt: skip
+        if self.parts:
+            data["parts"] = [
+                {"parameters": _rows(part.parameters), **_proof_data(part)} for part in self.parts
+            ]
+        return sealed(data)
 
     @property
     def seal(self) -> str:
@@ -259,6 +283,10 @@ def _claim_data(claim: LoopClaim) -> dict[str, Any]:
         data["while"] = [[each.port, each.kind, [*map(_text, each.numbers)]]
                          for each in claim.follows]  # fmt: skip
     return {**data, "error": True} if claim.error else data
+
+
+def _proof_data(proof: Certificate | Part) -> dict[str, Any]:
+    return {"regions": list(map(_region_data, proof.regions)), "tubes": _plain(proof.tubes)}
 
 
 def _region_data(region: RegionProof) -> dict[str, Any]:
@@ -466,6 +494,7 @@ def read_certificate(path: str) -> Certificate:
         _stretches(data["window"]),
         {name: delay.number for name, delay in data["delays"].items()},
         os.path.dirname(path),
+        tuple(map(_part, data["parts"])) if data.has("parts") else (),
     )
 
 
@@ -562,6 +591,14 @@ def _share(entry: Field) -> Fraction:
     if not 0 <= entry.rational <= 1:
         entry.refuse("is not from 0 to 1")
     return entry.rational
+
+
+def _part(data: Field) -> Part:
+    return Part(
+        _stretches(data["parameters"]),
+        tuple(map(_region, data["regions"])),
+        tuple(map(_tube, data["tubes"])),
+    )
 
 
 def _region(data: Field) -> RegionProof:

@@ -31,7 +31,14 @@ from fuzzyarm.proof.check.certificate import (
     read_certificate,
 )
 from fuzzyarm.proof.check.numbers import exact, float_above, float_below
-from fuzzyarm.proof.check.region import accepted, outside, region_facts, rests_of, verified
+from fuzzyarm.proof.check.region import (
+    ROUNDED,
+    accepted,
+    outside,
+    region_facts,
+    rests_of,
+    verified,
+)
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task, covered
 from fuzzyarm.proof.claim.identity import gain_words, loop_digests
@@ -60,6 +67,7 @@ OF_CONES = (
 )
 OF_TUBES = "sets hold all runs from one sample to the next (mean value theorem)"
 OF_MAPS = "each box leads into a region or into boxes before it (induction)"
+OF_PARTS = "its parts are all of the parameters, and each is proved by itself"
 
 
 @json_properties(
@@ -155,8 +163,9 @@ class Checked(Shown):
         lines = [f"{self.verdict}: {self.statement}"]
         if self.region:
             lines += region_lines(
-                self.region, self.start_region, rests=self.rests, continuous=self.continuous
-            )
+                self.region, self.start_region, rests=self.rests, continuous=self.continuous,
+                parts=len(self.certificate.parts),
+            )  # fmt: skip
         return "\n".join([*lines, *(f"  {x}" for x in (self.reason, *self.words) if x)])
 
 
@@ -167,11 +176,14 @@ def region_lines(
     rests: Mapping[str, tuple[float, float]] | None = None,
     continuous: bool = False,
     arrival: bool = False,
+    parts: int = 0,
 ) -> Iterator[str]:
     """Yield a heading for a region and its reach, a line for each state."""
     if not arrival:
         how = "in continuous time" if continuous else "as sampled"
-        yield f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
+        each = f", in {parts} parts of its parameters" if parts else ""
+        least = " at least" if parts else ""
+        yield f"  {how}{each}, from everywhere in an ellipsoid around rest that reaches{least} to"
     for name, (low, high) in region.items():
         alone = start_region.get(name)
         words = ""
@@ -268,7 +280,7 @@ def check_certificate(
     return replace(
         checked, statement=statement, loop=proof.loop,
         files={**certificate.fingerprints, **plant_files(plant)},
-        theorems=proof.theorems, boxes=len(certificate.tubes),
+        theorems=proof.theorems, boxes=sum(len(part.tubes) for part in certificate.by_part),
         coverage=float_below(exact(proof.coverage)),
         seconds=time.monotonic() - begun, proof=proof,
         **proof.facts,
@@ -308,9 +320,13 @@ def demand_proved(
     problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces | None = None
 ) -> CheckedProof:
     """Return the proof of a certificate's claim; LoopProofError if it fails."""
-    return CheckedProof(problem, certificate, surfaces or RuleSurfaces())
+    surfaces = surfaces or RuleSurfaces()
+    if certificate.parts:
+        return _proof_by_parts(problem, certificate, surfaces)
+    return _proof_of(problem, certificate, surfaces)
 
 
+@dataclass(frozen=True)
 class CheckedProof:
     """A proof of a certificate's claim.
 
@@ -320,52 +336,137 @@ class CheckedProof:
         The loop.
     havens : tuple of Haven
         Its proved regions.
+    facts : dict of str to object
+        Of the first region, or of the regions of all parts, as fields of a verdict.
+    loop, theorems : tuple of str
+        In words.
+    coverage : Fraction
+        Of a map: which share of its window is proved, rounded down.
     """
 
-    def __init__(
-        self, problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces
-    ) -> None:
-        self.problem, self.claim = problem, certificate.claim
-        self.surfaces = surfaces
-        regions, tubes = certificate.regions, certificate.tubes
-        self.facts: dict[str, Any] = {}
-        self.coverage = _coverage(problem, certificate) if certificate.window else Fraction(0)
-        if tubes and not (self.claim.start or self.claim.output or certificate.window):
-            raise LoopProofError("it has tubes, and claims nothing of starts")
-        if not tubes:
-            if len(regions) != 1:
-                raise LoopProofError("it has no region, or several and no tube")
-            against, self.facts, loop = verified(problem, self.claim, regions[0], self.surfaces)
-            if against or loop is None:
-                raise LoopProofError(against)
-            havens = [Haven(loop, regions[0])]
-        else:
-            if certificate.continuous:
-                raise LoopProofError("tubes are of the loop as sampled")
-            havens = [Haven(accepted(problem.at_rest, r, self.surfaces), r) for r in regions]
-            self.facts = region_facts(problem, *havens[0]) if havens else {}
-            self._follow(havens, tubes)
-        self.havens = tuple(havens)
-        self.loop = tuple(_loop_words(haven) for haven in havens)
-        self.theorems = (
-            *((OF_REGIONS,) if any(not region.cones for region in regions) else ()),
-            *((OF_CONES,) if any(region.cones for region in regions) else ()),
-            *((OF_TUBES,) if tubes else ()),
-            *((OF_MAPS,) if certificate.window else ()),
-        )
+    problem: LoopProblem
+    havens: tuple[Haven, ...]
+    facts: Mapping[str, Any]
+    loop: tuple[str, ...]
+    theorems: tuple[str, ...]
+    coverage: Fraction = Fraction(0)
 
-    def _follow(self, havens: Sequence[Haven], tubes: Sequence[TubeProof]) -> None:
-        """Follow all boxes; a claim with starts needs all starts inside the boxes."""
-        problem, claim = self.problem, self.claim
-        follower = Follower(problem, havens, self.surfaces)
-        for number, followed in enumerate(follow_tubes(follower, claim, tubes), 1):
-            if followed.against:
-                raise LoopProofError(f"box {number}: {followed.against}")
-        if claim.start or claim.output:
-            start = [(Fraction(x.low), Fraction(x.high)) for x in problem.start.values()]
-            boxes = np.array([tube.box for tube in tubes], dtype=object)
-            if not covered(start, boxes[..., 0], boxes[..., 1]):
-                raise LoopProofError("its boxes are not all of the starts")
+
+def _proof_of(
+    problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces
+) -> CheckedProof:
+    """Return the proof of a certificate without parts."""
+    claim, regions, tubes = certificate.claim, certificate.regions, certificate.tubes
+    facts: Mapping[str, Any] = {}
+    coverage = _coverage(problem, certificate) if certificate.window else Fraction(0)
+    if tubes and not (claim.start or claim.output or certificate.window):
+        raise LoopProofError("it has tubes, and claims nothing of starts")
+    if not tubes:
+        if len(regions) != 1:
+            raise LoopProofError("it has no region, or several and no tube")
+        against, facts, loop = verified(problem, claim, regions[0], surfaces)
+        if against or loop is None:
+            raise LoopProofError(against)
+        havens = [Haven(loop, regions[0])]
+    else:
+        if certificate.continuous:
+            raise LoopProofError("tubes are of the loop as sampled")
+        havens = [Haven(accepted(problem.at_rest, r, surfaces), r) for r in regions]
+        facts = region_facts(problem, *havens[0]) if havens else {}
+        _follow(Follower(problem, havens, surfaces), claim, tubes)
+    theorems = (
+        *((OF_REGIONS,) if any(not region.cones for region in regions) else ()),
+        *((OF_CONES,) if any(region.cones for region in regions) else ()),
+        *((OF_TUBES,) if tubes else ()),
+        *((OF_MAPS,) if certificate.window else ()),
+    )
+    words = tuple(map(_loop_words, havens))
+    return CheckedProof(problem, tuple(havens), facts, words, theorems, coverage)
+
+
+def _proof_by_parts(
+    problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces
+) -> CheckedProof:
+    """Return the proof of a claim by those of it for parts of its parameters."""
+    if certificate.window or certificate.regions or certificate.tubes:
+        raise LoopProofError("beside its parts it has a map, regions or tubes")
+    if len({part.continuous for part in certificate.by_part}) > 1:
+        raise LoopProofError("its parts are of the loop as sampled and in continuous time")
+    _require_all_parameters(certificate)
+    proofs = [
+        _proof_of(
+            problem_of(
+                problem.text, part.claim, plant=problem.given or problem.plant,
+                sensors=certificate.sensors, connect=certificate.connect,
+            ),
+            part, surfaces,
+        )
+        for part in certificate.by_part
+    ]  # fmt: skip
+    return CheckedProof(
+        problem,
+        tuple(haven for proof in proofs for haven in proof.havens),
+        {} if any(part.tubes for part in certificate.parts) else _facts_of_parts(proofs),
+        tuple(words for proof in proofs for words in proof.loop),
+        tuple(dict.fromkeys(
+            (*(theorem for proof in proofs for theorem in proof.theorems), OF_PARTS)
+        )),
+    )  # fmt: skip
+
+
+def _require_all_parameters(certificate: Certificate) -> None:
+    """Refuse parts that are not all of the parameters of a claim."""
+    names = [name for name, _, _ in certificate.claim.parameters]
+    boxes = [{name: (a, b) for name, a, b in part.parameters} for part in certificate.parts]
+    if any(len(part.parameters) != len(names) or set(box) != set(names)
+           for part, box in zip(certificate.parts, boxes, strict=True)):  # fmt: skip
+        raise LoopProofError("its parts are of other parameters than its claim")
+    ends = np.array([[box[name] for name in names] for box in boxes])
+    whole = [(low, high) for _, low, high in certificate.claim.parameters]
+    if not (names and np.isfinite(ends).all() and covered(whole, ends[..., 0], ends[..., 1])):
+        raise LoopProofError("its parts are not all of the parameters")
+
+
+def _facts_of_parts(proofs: Sequence[CheckedProof]) -> dict[str, Any]:
+    """Return the facts of a region that those of all parts share: the least reach around a rest."""
+    facts, loops = [proof.facts for proof in proofs], [proof.havens[0].loop for proof in proofs]
+    region, rests = dict[str, tuple[float, float]](), dict[str, tuple[float, float]]()
+    for name in facts[0]["region"]:
+        if not all(name in each["region"] for each in facts):
+            continue
+        spans = [(float_below(loop.rest[name]), float_above(loop.rest[name])) for loop in loops]
+        ends = [each["region"][name] for each in facts]
+        low, high = min(a for a, _ in spans), max(b for _, b in spans)
+        if high - low <= ROUNDED * max(abs(low), abs(high), 1.0):
+            region[name] = max(a for a, _ in ends), min(b for _, b in ends)
+            continue
+        rests[name] = low, high
+        around = min(min(a - x, y - b) for (a, b), (x, y) in zip(spans, ends, strict=True))
+        region[name] = low - around, high + around
+    alone = {
+        name: min(each["start_region"][name] for each in facts)
+        for name in facts[0]["start_region"]
+        if all(name in each["start_region"] for each in facts)
+    }
+    rest = {name: 0.5 * a + 0.5 * b for name, (a, b) in rests.items()}
+    return {
+        "region": region, "start_region": alone, "rest": {**facts[0]["rest"], **rest},
+        "rests": rests, "fall": min(each["fall"] for each in facts),
+        "continuous": any(each["continuous"] for each in facts),
+        "uncertain": tuple(dict.fromkeys(word for each in facts for word in each["uncertain"])),
+    }  # fmt: skip
+
+
+def _follow(follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]) -> None:
+    """Follow all boxes; a claim of starts needs all of them in the boxes."""
+    for number, followed in enumerate(follow_tubes(follower, claim, tubes), 1):
+        if followed.against:
+            raise LoopProofError(f"box {number}: {followed.against}")
+    if claim.start or claim.output:
+        start = [(Fraction(x.low), Fraction(x.high)) for x in follower.problem.start.values()]
+        boxes = np.array([tube.box for tube in tubes], dtype=object)
+        if not covered(start, boxes[..., 0], boxes[..., 1]):
+            raise LoopProofError("its boxes are not all of the starts")
 
 
 def follow_tubes(

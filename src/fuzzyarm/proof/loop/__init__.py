@@ -21,10 +21,11 @@ from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Demand
 from fuzzyarm.proof.loop.map_search import MapSearch, map_starts
 from fuzzyarm.proof.loop.margins import DriveMargins, Margins, margins
+from fuzzyarm.proof.loop.parts import prove_loop
 from fuzzyarm.proof.loop.start_map import MappedBox, StartMap
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Tube, tube
-from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
+from fuzzyarm.proof.loop.verdicts import LoopVerdict
 
 __all__ = [
     "Certificate",

@@ -23,8 +23,9 @@ from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.claim.text import claimed_plant, read_claim
 from fuzzyarm.proof.loop.map_search import MAP_BUDGET, MapSearch, map_starts
 from fuzzyarm.proof.loop.orders import Proof, proofs_of
+from fuzzyarm.proof.loop.parts import prove_loop
 from fuzzyarm.proof.loop.start_map import StartMap
-from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
+from fuzzyarm.proof.loop.verdicts import LoopVerdict
 from fuzzyarm.proof.map import verdicts
 from fuzzyarm.proof.map.verdicts import Verdict
 from fuzzyarm.requests.fields import read_fields

@@ -30,10 +30,11 @@ from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.map_search import MAP_BUDGET, MapSearch, map_starts
 from fuzzyarm.proof.loop.margins import DriveMargins, margins_of_problem
+from fuzzyarm.proof.loop.parts import joined, prove_loop
 from fuzzyarm.proof.loop.start_map import StartMap
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
-from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
+from fuzzyarm.proof.loop.verdicts import LoopVerdict
 from fuzzyarm.proof.map import Bounds, Prover, Verdict, prove_all, sector, slopes_at
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 from fuzzyarm.proof.map.sector import Sector, form_text
@@ -336,6 +337,9 @@ def certificate_of(
         return verdict.certificate
     claim = verdict.claim
     assert claim is not None
+    if verdict.parts:
+        found = [certificate_of(request, controller, part, tell) for part in verdict.parts]
+        return joined(claim, found)
     budget = request.budget or TUBE_BUDGET
     return certify_tube(
         controller, claim, regions=() if verdict.haven is None else (verdict.haven,),

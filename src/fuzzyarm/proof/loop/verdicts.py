@@ -18,12 +18,10 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
-from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.inference.threads import one_thread
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.plant.plant import Plant, PlantError
+from fuzzyarm.plant.plant import PlantError
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     RegionProof,
@@ -40,7 +38,7 @@ from fuzzyarm.proof.check.region import (
 )
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
-from fuzzyarm.proof.claim.text import GivenLoop, claimed_plant
+from fuzzyarm.proof.claim.text import GivenLoop
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.instability import growth
@@ -121,6 +119,8 @@ class LoopVerdict(Shown):
         The claim.
     haven : RegionProof or None
         The region into which a tube leads.
+    parts : tuple of LoopVerdict
+        On parts of the parameters, where it is made of these.
     """
 
     statement: str
@@ -143,6 +143,7 @@ class LoopVerdict(Shown):
     line: int = 0
     claim: LoopClaim | None = field(default=None, compare=False)
     haven: RegionProof | None = field(default=None, compare=False, repr=False)
+    parts: tuple[LoopVerdict, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def proved(self) -> bool:
@@ -169,7 +170,7 @@ class LoopVerdict(Shown):
         if self.region:
             lines += region_lines(
                 self.region, self.start_region, rests=self.rests, continuous=self.continuous,
-                arrival=self.tube is not None,
+                arrival=self.tube is not None, parts=len(self.parts),
             )  # fmt: skip
         if self.reason:
             lines.append(f"  {self.reason}")
@@ -179,61 +180,11 @@ class LoopVerdict(Shown):
 # ── the case ─────────────────────────────────────────────────────────────────────────
 
 
-def prove_loop(
-    text: ControllerText,
-    claim: LoopClaim,
-    *,
-    plant: Plant | None = None,
-    connect: Mapping[str, str] | None = None,
-    sensors: Mapping[str, Sensor] | None = None,
-    budget: float = math.inf,
-    continuous: bool = False,
-    tell: Tell | None = None,
-) -> LoopVerdict:
-    """Prove or refute a claim about a controller in its loop.
-
-    Parameters
-    ----------
-    text : ControllerText
-        The controller.
-    claim : LoopClaim
-        The claim.
-    plant : Plant, optional
-        In place of the one that the claim names. That one is loaded only if it is a shipped one, or
-        if the claim does not stand in a file: else its code would run.
-    connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
-    sensors : mapping of str to Sensor, optional
-        By port; exact ones by default.
-    budget : float
-        Seconds after which it stays undecided.
-    continuous : bool
-        Of the loop as if the controller ran without a period.
-    tell : callable, optional
-        Called with the claim, the number of attempts and NaN.
-
-    Returns
-    -------
-    LoopVerdict
-        With its certificate or its evidence.
-
-    Raises
-    ------
-    PlantError
-        If there is no such plant, or it has no such port.
-    ClaimError
-        If the claim names another state or parameter, or has ends in the wrong order.
-    """
-    plant = claimed_plant(claim) if plant is None else plant
-    given = GivenLoop(text, plant, connect, sensors)
-    return judged(given, claim, budget=budget, continuous=continuous, tell=tell)
-
-
 def judged(
     given: GivenLoop, claim: LoopClaim, *, budget: float, continuous: bool = False,
     tell: Tell | None = None,
 ) -> LoopVerdict:  # fmt: skip
-    """Return the verdict on a claim about a loop."""
+    """Return the verdict on a claim about a loop, of all of its parameters at once."""
     return _Case(given, claim, budget, tell, continuous=continuous).verdict()
 
 
