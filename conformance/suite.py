@@ -42,7 +42,9 @@ class Case:
         return {name: float(high) - float(low) for name, (low, high) in ranges.items()}
 
 
-def read(path: Path, number: Callable[[str], Any] | None = None) -> list[Case]:
+def read(
+    path: Path, number: Callable[[str], Any] | None = None, *, validated: bool = True
+) -> list[Case]:
     """Return the cases of a file.
 
     Parameters
@@ -52,15 +54,14 @@ def read(path: Path, number: Callable[[str], Any] | None = None) -> list[Case]:
     number : callable, optional
         What numbers of the file become, instead of floats and integers: ``Fraction`` or ``Decimal``
         keep every digit.
+    validated : bool, optional
+        False for a file that is known to follow the schema: the validation takes most of the time.
 
     Raises
     ------
     SuiteError
         Where the file is not JSON or does not follow the schema.
     """
-    from jsonschema import Draft202012Validator
-    from jsonschema.exceptions import best_match
-
     try:
         text = path.read_text(encoding="utf-8")
         plain = json.loads(text)
@@ -69,16 +70,25 @@ def read(path: Path, number: Callable[[str], Any] | None = None) -> list[Case]:
         raise SuiteError(f"{path.name}: cannot be read: {error.strerror}") from error
     except ValueError as error:
         raise SuiteError(f"{path.name}: not JSON: {error}") from error
+    if validated:
+        _demand_schema(path, plain)
+    cases = [Case(entry["name"], plain["topic"], entry) for entry in data["cases"]]
+    for case in cases:
+        _demand_known_names(path, case)
+    return cases
+
+
+def _demand_schema(path: Path, plain: Any) -> None:
+    """Refuse what does not follow the schema."""
+    from jsonschema import Draft202012Validator
+    from jsonschema.exceptions import best_match
+
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     fault = best_match(Draft202012Validator(schema).iter_errors(plain))
     if fault is not None:
         raise SuiteError(
             f"{path.name}: {_place(plain, list(fault.absolute_path))}: {fault.message[:200]}"
         )
-    cases = [Case(entry["name"], plain["topic"], entry) for entry in data["cases"]]
-    for case in cases:
-        _demand_known_names(path, case)
-    return cases
 
 
 def _place(plain: Any, steps: list[Any]) -> str:
@@ -128,7 +138,9 @@ def _mentioned(part: Any) -> Iterator[tuple[str, str]]:
                 yield from _mentioned(inner)
 
 
-def read_all(folder: Path = CASES, number: Callable[[str], Any] | None = None) -> list[Case]:
+def read_all(
+    folder: Path = CASES, number: Callable[[str], Any] | None = None, *, validated: bool = True
+) -> list[Case]:
     """Return the cases of all files of a folder, in the order of their names.
 
     Raises
@@ -136,7 +148,8 @@ def read_all(folder: Path = CASES, number: Callable[[str], Any] | None = None) -
     SuiteError
         Where two cases have one name, or there is no case.
     """
-    cases = [case for path in sorted(folder.glob("*.json")) for case in read(path, number)]
+    paths = sorted(folder.glob("*.json"))
+    cases = [case for path in paths for case in read(path, number, validated=validated)]
     names = [case.name for case in cases]
     for name in names:
         if names.count(name) > 1:

@@ -178,14 +178,23 @@ def starts(function: Callable[..., object]) -> bool:
     """Whether a function, or one of its module that it calls, reads one of `STARTING`."""
     seen = {function}
     for each in (waiting := [function]):  # it grows on the way
-        code = each.__code__
-        if STARTING & {*code.co_names, *code.co_varnames[: code.co_argcount]}:
+        called = starts_or_calls(each)
+        if called is None:
             return True
-        beside = (each.__globals__.get(name) for name in code.co_names)
-        new = {inspect.unwrap(each) for each in beside if inspect.isfunction(each)} - seen
+        new = called - seen
         seen |= new
         waiting += new
     return False
+
+
+@functools.cache
+def starts_or_calls(function: Callable[..., object]) -> frozenset[Callable[..., object]] | None:
+    """Return the functions of its module that a function calls; nothing if itself it starts."""
+    code = function.__code__
+    if STARTING & {*code.co_names, *code.co_varnames[: code.co_argcount]}:
+        return None
+    beside = (function.__globals__.get(name) for name in code.co_names)
+    return frozenset(inspect.unwrap(each) for each in beside if inspect.isfunction(each))
 
 
 @pytest.fixture

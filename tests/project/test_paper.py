@@ -32,7 +32,7 @@ def test_entries_of_methods_are_those_of_cite():
 
 
 def test_the_numbers_of_the_suite_are_those_of_today():
-    cases = read_all()
+    cases = read_all(validated=False)
     points = sum(len(case.data["points"]) for case in cases)
     assert f"({len(cases)} of them, {points:,} points)" in TEXT
 
