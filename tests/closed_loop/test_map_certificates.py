@@ -55,6 +55,15 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
     return folder, found
 
 
+@pytest.fixture(scope="module")
+def near(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """A window of which everything is proved, soon."""
+    folder = tmp_path_factory.mktemp("near")
+    found = mapped(folder, budget=20.0, claim="stable from y in -0.5 .. 0.25")
+    write_certificate(found.certificate, str(folder / "map.json"))
+    return folder, found
+
+
 def mapped(
     folder: Path,
     *,
@@ -202,8 +211,8 @@ def _at(value: Any, path: tuple[Any, ...]) -> Any:
         (lambda c: replace(c, tubes=(c.tubes[0]._replace(box=((1, -1),)),)), "not a box"),
     ],
 )
-def test_what_a_map_does_not_show_is_said(made: tuple[Path, Any], change: Any, words: str) -> None:
-    folder, found = made
+def test_what_a_map_does_not_show_is_said(near: tuple[Path, Any], change: Any, words: str) -> None:
+    folder, found = near
     text = fuzzyarm.load_controller(folder / "hold.frb")
     plant = find_plant(str(folder / "cliff.py"))
     again = check_certificate(change(found.certificate), text, plant)
@@ -278,8 +287,8 @@ def test_a_map_around_no_rest_says_why(tmp_path: Path) -> None:
     assert "next to rest a deviation grows" in found.reason
 
 
-def test_a_box_of_too_few_states_is_refused(made: tuple[Path, Any]) -> None:
-    folder, _ = made
+def test_a_box_of_too_few_states_is_refused(near: tuple[Path, Any]) -> None:
+    folder, _ = near
     data = json.loads((folder / "map.json").read_text())
     data["tubes"][0]["box"] = []
     data.pop("seal")
@@ -288,6 +297,7 @@ def test_a_box_of_too_few_states_is_refused(made: tuple[Path, Any]) -> None:
     assert "not a box of the plant's states" in again.reason
 
 
+@pytest.mark.slow
 def test_the_time_of_a_map_is_that_of_the_slowest_way_through_its_boxes(
     made: tuple[Path, Any],
 ) -> None:

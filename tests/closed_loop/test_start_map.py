@@ -161,6 +161,7 @@ def test_a_journal_is_gone_on_with(tmp_path: Path) -> None:
             fuzzyarm.prove(SERVO, **asked)
 
 
+@pytest.mark.slow
 def test_workers_find_the_same_shares() -> None:
     found = fuzzyarm.prove(SERVO, plant="motor", map=True, over=CORNER, budget=60.0, workers=2)
     assert found.share("proved") == pytest.approx(1.0)

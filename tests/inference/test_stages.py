@@ -80,12 +80,13 @@ def in_one_block(rulebase: RuleBase) -> RuleBase:
     return replace(rulebase, blocks=(both, *others))
 
 
-def demand_bits_of_points(rulebase: RuleBase, count: int = 200) -> None:
+def demand_bits_of_points(rulebase: RuleBase) -> None:
     """Points and arrays go through the kernel, and have the bits of plain Python."""
     fast = compiled(rulebase)
     assert fast.reason == ""
     assert fast.kernel == "machine code"
     draw = np.random.default_rng(3)
+    count = cases(100, 200)
     columns = {v.name: draw.uniform(v.low, v.high, count) for v in rulebase.inputs}
     rows = [dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values())]  # noqa: B905
     held = {output.name: 0.25 for output in rulebase.outputs}

@@ -219,7 +219,7 @@ def test_other_formats(case, writer):
 def test_scikit_fuzzy(case):
     rulebase = model(case)
     for lossy in (False, True):
-        made, found = to_skfuzzy(rulebase, samples=401, lossy=lossy)
+        made, found = to_skfuzzy(rulebase, samples=161, lossy=lossy)
         messages = " ".join(each.message for each in found if each.is_error)
         if made is None:
             assert messages

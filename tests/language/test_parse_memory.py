@@ -6,6 +6,7 @@ import random
 from pathlib import Path
 
 import pytest
+from budget import cases
 
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language import parse
@@ -37,7 +38,7 @@ def test_edits_are_read_as_a_fresh_text(path: Path) -> None:
     chance = random.Random(path.stem)
     text = path.read_text(encoding="utf-8")
     memory = ParseMemory()
-    for _ in range(16):
+    for _ in range(cases(10, 40)):
         assert parse(text, memory=memory) == parse(text)
         start = chance.randrange(len(text) + 1)
         end = min(len(text), start + chance.choice((0, 0, 1, 3, 30)))

@@ -337,19 +337,18 @@ def test_a_hover_shows_names_and_descriptions_as_they_are(name: str) -> None:
         f"rules y\n  {x} {x}\n  y A\nrule if {x} is {x} then y is B\n"
     )
     reading = read(source)
-    shown = 0
-    for line, words in enumerate(source.splitlines(), start=1):
-        for column in range(1, len(words) + 2):
-            found = hover(reading, line, column)
-            if found is None:
-                continue
-            shown += 1
-            parts = markdown.parse(found.markdown)
-            leaves = [leaf for part in parts for leaf in (part, *(part.children or ()))]
-            kinds = {leaf.type for leaf in leaves}
-            assert not kinds & MARKUP, found.markdown
-            assert found.markdown.replace("\n", "").isprintable()
-    assert shown > 20
+    shown = [
+        found.markdown
+        for line, words in enumerate(source.splitlines(), start=1)
+        for column in range(1, len(words) + 2)
+        if (found := hover(reading, line, column)) is not None
+    ]
+    assert len(shown) > 20
+    for text in set(shown):
+        parts = markdown.parse(text)
+        kinds = {leaf.type for part in parts for leaf in (part, *(part.children or ()))}
+        assert not kinds & MARKUP, text
+        assert text.replace("\n", "").isprintable()
 
 
 def test_a_variable_shows_range_and_coverage() -> None:

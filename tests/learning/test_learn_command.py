@@ -14,11 +14,6 @@ FAST = ["--segment", "0.2", "--trajectory", "pick-and-place"]
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 
 
-@pytest.fixture(autouse=True)
-def interpreted(monkeypatch):
-    monkeypatch.setenv("FUZZYARM_NATIVE", "0")
-
-
 def run(capsys, *words):
     status = main(list(words))
     captured = capsys.readouterr()
@@ -238,8 +233,7 @@ def test_a_number_of_runs_out_of_sense_is_wrong_usage(capsys):
     assert run(capsys, "reproduce", "pd", "--runs", "-1")[0] == 2
 
 
-def test_reproduce_prints_the_ensemble(capsys, monkeypatch):
-    monkeypatch.setenv("FUZZYARM_NATIVE", "1")
+def test_reproduce_prints_the_ensemble(capsys):
     status, out, _ = run(capsys, "reproduce", "7.1.1/soc-zero", "--runs", "6", "--json")
     assert status == 0
     (row,) = json.loads(out)
@@ -254,8 +248,7 @@ def test_reproduce_prints_the_ensemble(capsys, monkeypatch):
 
 
 @pytest.mark.slow
-def test_figures_of_chapters_and_of_all(capsys, tmp_path, monkeypatch):
-    monkeypatch.setenv("FUZZYARM_NATIVE", "1")
+def test_figures_of_chapters_and_of_all(capsys, tmp_path):
     rows = ["4.2.5.1/pd", "7.1.1/pd", "7.1.1/acdid", "7.1.1/stfc", "7.1.1/soc-zero"]
     folder, overview = tmp_path / "figures", tmp_path / "all.svg"
     monkeys = ["--runs", "0", "--plot", str(folder), "--overview", str(overview)]

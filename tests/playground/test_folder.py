@@ -82,6 +82,7 @@ def test_the_archive_has_what_a_page_runs_and_no_machine_code():
 
 def test_files_of_ones_own_are_what_a_visitor_finds(tmp_path, pyodide, capsys, monkeypatch):
     monkeypatch.setattr(written, "wasm_kernels", lambda: None)
+    monkeypatch.setattr(written, "why_it_does_not_load", lambda _archive: "")
     mine = tmp_path / "mine.frb"
     mine.write_text('rulebase mine "</script>"\n', encoding="utf-8")
     words = ["playground", "-o", str(tmp_path / "site"), "--pyodide", str(pyodide), str(mine)]

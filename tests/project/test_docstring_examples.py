@@ -40,7 +40,6 @@ def test_there_are_examples():
 @pytest.mark.parametrize("name", MODULES)
 def test_examples_say_what_comes_out(name, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("FUZZYARM_NATIVE", "0")  # nothing here runs for long
     module = importlib.import_module(name)
     done = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
     assert done.attempted > 0

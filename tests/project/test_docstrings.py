@@ -47,9 +47,9 @@ def test_documented_parameters_exist():
     functions = [(path, function) for path in MODULES for function in public_functions(tree(path))]
     assert len(functions) > len(MODULES)
     assert [
-        f"{path.relative_to(SOURCE)}: {function.name} {mistake(function)}"
+        f"{path.relative_to(SOURCE)}: {function.name} {said}"
         for path, function in functions
-        if mistake(function)
+        if (said := mistake(function))
     ] == []
 
 

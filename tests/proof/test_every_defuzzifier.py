@@ -112,7 +112,10 @@ CLOSE = {"budget": 10.0, "tolerance": 0.01}
 PART = {"a": (0.1, 0.9), "b": (0.1, 0.4)}
 
 
-@pytest.mark.parametrize("name", SETTINGS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] if n == "bounded" else []) for n in SETTINGS],
+)
 def test_a_range_is_proved(name: str) -> None:
     verdict = prove(SETTINGS[name].rulebase(), "u in -1 .. 2", budget=5.0)
     assert verdict.verdict == "proved", verdict

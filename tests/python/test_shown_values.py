@@ -18,9 +18,7 @@ from fuzzyarm.plant import find_plant, reach_return
 
 @pytest.fixture(scope="module")
 def values():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("FUZZYARM_NATIVE", "0")
-        yield dict(_values())
+    return dict(_values())
 
 
 def _values():

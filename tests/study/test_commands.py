@@ -16,11 +16,6 @@ def run(capsys, *words):
     return status, captured.out, captured.err
 
 
-@pytest.fixture(autouse=True)
-def interpreted(monkeypatch):
-    monkeypatch.setenv("FUZZYARM_NATIVE", "0")
-
-
 def test_simulate_prints_the_contract(capsys):
     status, out, err = run(
         capsys,
@@ -168,7 +163,7 @@ def test_wrong_usage(capsys, words):
 
 
 @pytest.mark.slow
-def test_own_controller_runs_with_the_same_command(capsys, tmp_path, monkeypatch):
+def test_own_controller_runs_with_the_same_command(capsys, tmp_path):
     file = tmp_path / "mine.py"
     file.write_text(
         "from fuzzyarm.control.controllers import Controller\n"
@@ -179,7 +174,6 @@ def test_own_controller_runs_with_the_same_command(capsys, tmp_path, monkeypatch
     status, out, _ = run(capsys, "simulate", str(file), *FAST, "--json")
     assert status == 0
     assert json.loads(out)["controller"] == "mine"
-    monkeypatch.setenv("FUZZYARM_NATIVE", "1")
     _, _, err = run(capsys, "simulate", f"{file}+pd", *FAST, "--json")
     assert "times as long as compiled pd" in err
 
@@ -226,8 +220,7 @@ def test_identify_refuses_what_was_not_identified(capsys):
 
 
 @pytest.mark.slow
-def test_identify_prints_fitted_beside_shipped(capsys, monkeypatch):
-    monkeypatch.setenv("FUZZYARM_NATIVE", "1")
+def test_identify_prints_fitted_beside_shipped(capsys):
     _, out, _ = run(capsys, "identify", "mrac+ie")
     assert "fitted" in out
     assert "K_I" in out
