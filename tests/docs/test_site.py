@@ -137,3 +137,18 @@ def test_the_sketch_of_the_arduino_page_compiles(tmp_path):
         cwd=tmp_path, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+
+
+SOURCES = (ROOT, ROOT / "src", ROOT / "src/fuzzyarm", ROOT / "tests", DOCS)
+
+
+@pytest.mark.parametrize(
+    "page", ["README.md", "CONTRIBUTING.md", "docs/explanation/architecture.md"]
+)
+def test_modules_that_a_page_names_exist(page):
+    text = (ROOT / page).read_text("utf-8")
+    rooms = [folder for base in SOURCES for folder in (base, *base.glob("*/"))]
+    named = re.findall(r"`([\w/]+\.py)`", text)
+    lost = [name for name in named if not any((room / name).is_file() for room in rooms)]
+    inside = [path.name for path in (ROOT / "src").rglob("*.py")]
+    assert [name for name in lost if "/" in name or name not in inside] == []

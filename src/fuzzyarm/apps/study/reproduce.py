@@ -410,7 +410,7 @@ def reproduce_row(
     controller : Controller, optional
         A replacement of its controller.
     options : Options, optional
-        See :func:`fuzzyarm.control.loop.run.simulate`.
+        See :func:`fuzzyarm.control.loop.simulate`.
     runs : int, optional
         Disturbed runs on each trajectory if the row is chaotic; none by default.
     watch : callable, optional
