@@ -1,7 +1,7 @@
 """Proofs of a controller together with its plant: stable, inside, reached.
 
-:func:`prove` takes a rule base or a controller; of a controller a claim about its loop, of which
-:func:`check_certificate` checks the certificate.
+:func:`prove` takes a rule base or a controller, the latter with a claim about its loop;
+:func:`check_certificate` checks the certificate of such a proof.
 """
 
 from typing import TYPE_CHECKING

@@ -1,9 +1,8 @@
 """Affine forms over rationals: a control period as a linear part, uncertain gains, and limits.
 
-A signal is a constant plus a sum of state variables and of *answers* w of blocks. A block is a
-gain that is not known: its answer is some δ times a signal v, |δ| ≤ 1, whatever the block is (a
-rule base within its sector, a limit, a slope of the plant). All numbers of the file are taken as
-the rationals that they are.
+A signal is a constant plus a sum of state variables and of *answers* w of blocks. A block is an
+uncertain gain: its answer is δ times a signal v, |δ| ≤ 1, whether it stands for a rule base within
+its sector, a limit or a slope of the plant. All numbers of the file are taken as exact rationals.
 """
 
 from __future__ import annotations
@@ -26,15 +25,15 @@ ZERO, ONE = Fraction(0), Fraction(1)
 
 INFINITY, NO_VALUE = "infinity", "a division by 0"
 VALUELESS = (INFINITY, NO_VALUE)
-"""Variables of a NaN: it may be in a comparison, or in a branch not taken."""
+"""Variables of a NaN, which may occur in a comparison or in a branch not taken."""
 
 
 class NotAffineError(LoopProofError):
-    """A loop is not affine where it has to be."""
+    """A loop is not affine where a proof needs it."""
 
 
 class MovingError(NotAffineError):
-    """Where the loop should rest something moves."""
+    """A state or memory moves at the supposed equilibrium."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +43,10 @@ class Affine:
     constant: Fraction  # its value at rest
     # Weights of the variables; none is 0
     parts: Mapping[str, Fraction] = field(default_factory=dict)
-    # low, high: bounds of the signal for all values of the variables, where known
+    # low, high: bounds of the signal for all values of the variables, if known
     low: Fraction | None = None
     high: Fraction | None = None
-    doubt: Fraction = ZERO  # how far its true value at rest may be from the constant
+    doubt: Fraction = ZERO  # largest distance of its true value at rest from the constant
 
     @property
     def is_constant(self) -> bool:
@@ -67,7 +66,7 @@ class Affine:
         return Affine(self.constant * by, parts, low, high, self.doubt * abs(by))
 
     def plus(self, other: Affine) -> Affine:
-        """Return the sum of two."""
+        """Return the sum."""
         parts = dict(self.parts)
         for name, weight in other.parts.items():
             total = parts.get(name, ZERO) + weight
@@ -84,7 +83,7 @@ class Affine:
 
     @property
     def deviation(self) -> Affine:
-        """It without its constant."""
+        """The form without its constant."""
         return Affine(ZERO, self.parts)
 
 
@@ -97,7 +96,7 @@ def number(value: float | Fraction) -> Affine:
 
 
 def variable(name: str, rest: Fraction = ZERO, doubt: Fraction = ZERO) -> Affine:
-    """Return the form of a state that is `rest` at rest, up to a doubt."""
+    """Return the form of a state with its rest, known up to a doubt."""
     return Affine(rest, {name: ONE}, doubt=doubt)
 
 
@@ -105,23 +104,23 @@ def variable(name: str, rest: Fraction = ZERO, doubt: Fraction = ZERO) -> Affine
 class UncertainGain:
     """An uncertain gain: the answer w of the variable `name` has |w| ≤ |v|."""
 
-    name: str  # of the variable of its answer
-    v: Affine  # what it answers, times the radius of the gain; without a constant
-    words: str  # what it is
+    name: str  # variable of its answer
+    v: Affine  # its input times the radius of the gain; without a constant
+    words: str  # description
 
 
 @dataclass(frozen=True)
 class SignalBound:
-    """Where the form is the loop: a signal must stay between two numbers."""
+    """A condition of validity of the form: a signal must stay between two numbers."""
 
-    signal: Affine  # Which; without a constant
-    low: Fraction | None  # low, high: below and above 0; None for no end
+    signal: Affine  # without a constant
+    low: Fraction | None  # low, high: below and above 0; None for unbounded
     high: Fraction | None
-    words: str  # what it is
+    words: str  # description
 
     @property
     def limit(self) -> Fraction:
-        """How far from 0 it may be at least."""
+        """The smaller distance of both ends from 0."""
         return min(abs(end) for end in (self.low, self.high) if end is not None)
 
 
@@ -132,26 +131,26 @@ Rules = Callable[["AffineAlgebra", RuleBase, Mapping[str, Affine]], list[Affine]
 class AffineAlgebra(LoopAlgebra[Affine]):
     """A control period in affine forms; an :class:`~fuzzyarm.proof.loop.period.LoopAlgebra`.
 
-    Where a limit may hold or a choice be made, the branch at rest is taken, and what has to be
-    true for it is noted as a :class:`SignalBound`; or, by `grip`, a limit may take away all but
-    that share of a deviation, which makes an :class:`UncertainGain` of it.
+    At a limit or a choice the branch at rest is taken, with its condition recorded as a
+    :class:`SignalBound`; or, by `grip`, a limit passes at least that share of a deviation and
+    becomes an :class:`UncertainGain`.
 
     Parameters
     ----------
     rules, table : callable
         Affine forms of rule bases and tables.
     grip : Fraction
-        1: no limit is reached.
+        Least share of a deviation that passes a limit; 1: no limit is reached.
     is_search : bool
-        While the rest is looked for: nothing is noted, and limits are not there.
+        During the search for the rest: nothing is recorded, and limits are ignored.
 
     Attributes
     ----------
     blocks, bounds : list
         The records.
     inputs : list of (Affine, bool)
-        Those of rule bases that move, in the order of the walk, and whether the rules may have an
-        edge where it rests.
+        Moving inputs of rule bases, in the order of the walk, and whether the rules may have an
+        edge at its rest.
     gains, spread : list
         The same for a certificate, see :class:`fuzzyarm.proof.check.certificate.Evidence`.
     """
@@ -176,7 +175,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
 
     def number(self, value: float) -> Affine:
         """Return the form of a number."""
-        if math.isinf(value):  # the end of a range that has none
+        if math.isinf(value):  # the end of an unbounded range
             return Affine(Fraction(0), {INFINITY: Fraction(1 if value > 0 else -1)})
         return number(value)
 
@@ -189,7 +188,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         return a.plus(b.scaled(-ONE))
 
     def multiply(self, a: Affine, b: Affine) -> Affine:
-        """Return a product, of which one factor is a number."""
+        """Return a product with one constant factor."""
         for one, other in ((a, b), (b, a)):
             if one.is_constant:
                 return other.scaled(one.constant)
@@ -199,7 +198,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         """Return a quotient by a number."""
         if not b.is_constant:
             raise NotAffineError("a signal is divided by one that is not constant")
-        if not b.constant:  # no value, in a branch that is not taken
+        if not b.constant:  # no value, in a branch not taken
             return Affine(ZERO, {NO_VALUE: ONE})
         return a.scaled(ONE / b.constant)
 
@@ -232,7 +231,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         return x
 
     def _held(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> Affine:
-        """Return a signal between limits: it is within them, or loses a share of its deviation."""
+        """Return a signal between limits: inside them, or with a share of its deviation."""
         inside = (low is None or (x.low is not None and low <= x.low)) and (
             high is None or (x.high is not None and x.high <= high)
         )
@@ -242,7 +241,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         for end, sign in ((low, 1), (high, -1)):
             if end is not None and sign * (rest - end) <= x.doubt:
                 raise NotAffineError(f"at rest a signal is {float(rest):.6g}, at {words}")
-        # What is cut off is still this share of the deviation, wherever the signal can go.
+        # At least this share of the deviation passes, wherever the signal can be.
         least = ONE
         for end, most in ((low, x.low), (high, x.high)):
             if end is not None:
@@ -275,13 +274,13 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         self.bounds.append(SignalBound(x.deviation, low, high, words))
 
     def require(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
-        """Note that the deviation of a signal stays between two numbers around 0."""
+        """Record that the deviation of a signal stays between two numbers around 0."""
         self._note(x, low, high, words)
 
     # --- rule bases, tables, expressions ---
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, Affine]) -> list[Affine]:
-        """Return the conclusion of a rule base."""
+        """Return the conclusions of a rule base."""
         return self._rules(self, sheet, inputs)
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Affine]) -> Affine:
@@ -289,7 +288,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         return self._table(self, sheet, inputs)
 
     def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:
-        """Return an expression that is affine, or is so beside choices that are made at rest."""
+        """Return an expression that is affine, apart from choices decided at rest."""
         return fold([root], values, self.number, self._applied)[0]
 
     def _applied(self, node: Apply, arguments: list[Affine]) -> Affine:
@@ -313,7 +312,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         raise NotAffineError(f"'{operation}' of a signal is not linear")
 
     def _is_less(self, a: Affine, b: Affine, *, or_equal: bool = False) -> bool:
-        """Tell whether a is below b at rest; note that it has to stay so."""
+        """Return whether a is below b at rest, and record that it has to stay so."""
         way = self.subtract(b, a)
         endless = way.parts.get(INFINITY, ZERO)
         if endless:
@@ -321,7 +320,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         if way.is_constant:
             return way.constant > 0 or (or_equal and not way.constant)
         if self.is_search:
-            # A limit: it does not hold, whichever side is a number.
+            # A limit, not active at rest, whichever side is a number.
             return a.is_constant or b.is_constant
         room = abs(way.constant) - way.doubt
         if room <= 0:
@@ -338,14 +337,14 @@ def _beyond(end: Fraction, most: Fraction, rest: Fraction) -> bool:
 
 
 def _end(value: float) -> Fraction:
-    """Return a limit as a number, with a large one for infinity, for comparisons."""
+    """Return a limit as a number for comparisons, a large one for infinity."""
     return (
         Fraction(value) if math.isfinite(value) else Fraction(10) ** 400 * (1 if value > 0 else -1)
     )
 
 
 def _exactly(operation: str, values: list[Fraction]) -> Fraction:
-    """Return an operation of numbers where it is rational."""
+    """Return an operation on numbers if the result is rational."""
     rational: dict[str, Callable[..., Fraction | bool]] = {
         "absolute": abs,
         "equal": lambda a, b: a == b,

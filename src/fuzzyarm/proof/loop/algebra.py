@@ -1,9 +1,8 @@
-"""One control period over zonotopes: the kind of number that a controller is computed with.
+"""One control period over zonotopes: the arithmetic of :class:`Zonotopes`.
 
-Every line of a controller, every source and limit is read as it is (see
-:class:`fuzzyarm.control.controllers.period.ControlPeriod`); only what numbers mean is said here.
-Numbers of the file stay floats until they meet a form, so that a gain is a multiple and loses
-nothing.
+Lines, sources and limits of a controller are walked by
+:class:`fuzzyarm.control.controllers.period.ControlPeriod`; this module defines the numbers.
+Constants of the file stay floats until they meet a form, so that a gain is an exact multiple.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ Number = Forms | float
 
 
 class Zonotopes(LoopAlgebra[Number]):
-    """Numbers of a control period: forms of shape (batch,), and floats of the file."""
+    """The algebra of forms, shape (batch,), and floats of the file."""
 
     def __init__(
         self, batch: int, planes: Callable[[RuleBase, str], RulePlanes], *, by_cells: bool = False
@@ -42,7 +41,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return x if isinstance(x, Forms) else Forms.at(np.full(self.batch, x))
 
     def fresh(self, x: Forms) -> Forms:
-        """Return forms whose rest is its own symbol."""
+        """Return forms with each remainder as a new symbol."""
         if np.isnan(x.centre).any() or np.isnan(x.rest).any():
             raise EnclosureError("an enclosure is not a number")
         if not x.rest.any():
@@ -67,7 +66,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return first + second
 
     def subtract(self, a: Number, b: Number) -> Number:
-        """Return a difference; 0 of a number from itself."""
+        """Return a difference; 0 of a number and itself."""
         return 0.0 if a is b else self.add(a, -b)
 
     def multiply(self, a: Number, b: Number) -> Number:
@@ -93,7 +92,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return self.fresh(clip(forms, low, high))
 
     def excess(self, value: Number, x: Number, low: float, high: float) -> Number:
-        """Return how far a limit has moved x: exactly 0 of boxes that are within it."""
+        """Return the change of x by a limit: exactly 0 for boxes within it."""
         moved = self.subtract(value, x)
         if not isinstance(moved, Forms):
             return moved
@@ -104,7 +103,7 @@ class Zonotopes(LoopAlgebra[Number]):
     def near(self, x: Number, before: Number, most: float) -> Number:
         """Return ``min(max(x, before - most), before + most)``."""
         forms, last = self.forms(x), self.forms(before)
-        # `most` is a product of floats that the loop rounds: a neighbour each way.
+        # `most` is a rounded product of floats in the loop: widened by a neighbour each way.
         size = Forms.between(
             np.full(self.batch, math.nextafter(most, 0.0)),
             np.full(self.batch, math.nextafter(most, math.inf)),
@@ -112,7 +111,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return self.fresh(smaller(larger(forms, last - size), last + size))
 
     def expression(self, root: Node, values: Mapping[str, Number]) -> Number:
-        """Return the value of an expression for some values of its symbols."""
+        """Return the value of an expression."""
         numbers = {name: x for name, x in values.items() if not isinstance(x, Forms)}
         forms_by_name = {name: x for name, x in values.items() if isinstance(x, Forms)}
         reading = _readable(root, tuple(sorted(numbers.items())))
@@ -121,7 +120,7 @@ class Zonotopes(LoopAlgebra[Number]):
         return self.fresh(read([reading], forms_by_name or {"": self.forms(0.0)})[0])
 
     def error(self, x: Number, size: float) -> Number:
-        """Return ``x`` and an unknown error of at most a size."""
+        """Return ``x`` plus an unknown error of at most `size`."""
         return self.fresh(self.forms(x).within(size))
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
@@ -144,7 +143,7 @@ class Zonotopes(LoopAlgebra[Number]):
         )
 
     def _concluded(self, planes: RulePlanes, arguments: Sequence[Number]) -> Forms:
-        """Return an output: by the planes of cells where they are known, else box by box."""
+        """Return an output: by the planes of cells if known, else box by box."""
         variables = planes.prover.inputs
         grid = planes.grid if self.by_cells else None
         if grid is None:
@@ -188,14 +187,14 @@ class Zonotopes(LoopAlgebra[Number]):
         return self._on(inputs, slopes, band_of)
 
     def _on(self, inputs: Forms, slopes: Vector, value: Forms) -> Forms:
-        """Return a band around planes."""
+        """Return a band around planes as forms."""
         for row in range(inputs.shape[0]):
             value = value + inputs[row].scaled(slopes[:, row])
         return self.fresh(value)
 
 
 def _demand_inside(x: Forms, variable: Variable) -> None:
-    """Refuse a signal of a rule base that may be outside its range, where there is no value."""
+    """Refuse an input that may leave its range, where the rule base has no value."""
     bounds, where = x.bounds, f"outside the range of '{variable.name}', where there is no value"
     if not ((bounds.low >= variable.low) & (bounds.high <= variable.high)).all():
         raise EnclosureError(f"a run may be {where}")

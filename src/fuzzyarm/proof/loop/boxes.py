@@ -1,4 +1,4 @@
-"""Certificates of tubes, found: boxes of starts, halved until the checker can follow them."""
+"""The search for certificates of tubes: boxes of starts, halved for the checker to follow."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ from fuzzyarm.proof.stop import Stop, TimeOverError
 MOST_HALVINGS = 12
 
 MANY = 20_000
-"""Periods of all boxes from which on there is a search for a common way."""
+"""Total periods of all boxes from which on waypoints are searched."""
 
 HALVED_AGAIN = 2
-"""How often a box of a map is halved that the checker does not follow as a whole."""
+"""Most halvings of a map's box that the checker cannot follow as a whole."""
 
 Box = tuple[Pair, ...]
 
@@ -51,7 +51,7 @@ def certify_tube(
     tell: Callable[[int, float], None] | None = None,
     regions: Sequence[RegionProof] = (),
 ) -> Certificate:
-    """Make a certificate of a claim for a bounded time, or until a proved region.
+    """Search a certificate of a claim for a bounded time, or until a proved region.
 
     Parameters
     ----------
@@ -62,12 +62,12 @@ def certify_tube(
     tell : callable, optional
         Called with the number of boxes so far, and NaN.
     regions : sequence of RegionProof, optional
-        Where runs may arrive.
+        Destination regions.
 
     Raises
     ------
     LoopProofError
-        If none was found: a tube may prove what the simpler sets of a certificate do not.
+        If none was found: a certificate has simpler sets than a tube, and may prove less.
     """
     if not regions and (not claim.output or math.isinf(claim.end)):
         raise LoopProofError("a tube is certified of a claim with an end", hint="during 0 .. 1 s")
@@ -99,12 +99,11 @@ def certify_map(
     boxes: Sequence[tuple[Box, int]],
     stop: Stop,
 ) -> tuple[Certificate, int, dict[Box, str]]:
-    """Make the certificate of a map: what of its boxes the checker follows.
+    """Return the certificate of a map: the boxes that the checker follows.
 
-    `whole` is that of its region, with the window. Boxes are of all states of the plant, with the
-    periods in which they arrived, those that did first first. Returned are, too, how many of its
-    boxes, the first ones, are waypoints instead of starts; and the boxes that are not in it, with
-    the reason.
+    `whole` is the certificate of its region, with the window. Boxes have all states of the plant
+    and their arrival periods, in the order of arrival. Also returned are the number of boxes, the
+    first ones, that are waypoints instead of starts, and the boxes left out with their reasons.
     """
     tubes = [TubeProof(box, 2 * periods + 20, ("regions", 0)) for box, periods in boxes]
     names = [name for name, *_ in whole.window]
@@ -114,16 +113,16 @@ def certify_map(
 
 
 class _Halving:
-    """Boxes for the checker to follow; those that it cannot follow are halved.
+    """Boxes for the checker to follow, halved where it cannot.
 
     Attributes
     ----------
     found : list of TubeProof
-        Those that it follows.
+        Followed boxes.
     lost : dict of TubeProof to str
-        Those that it does not, and why.
+        Boxes not followed, and why.
     ways : int
-        How many of those found first are on the way of others.
+        Number of waypoints, first in `found`.
     """
 
     def __init__(
@@ -157,7 +156,7 @@ class _Halving:
                 stop.check(len(self.found) + len(self.lost))
 
     def _by_waypoints(self, axes: Sequence[int]) -> None:
-        """Take in what leads into boxes on the way of many, in larger boxes where it does."""
+        """Accept boxes that lead into waypoints of many, joined into larger boxes if possible."""
         ways, caught = waypoints(self.follower, list(self.lost))
         for tube in caught:
             del self.lost[tube]
@@ -167,12 +166,12 @@ class _Halving:
             self.found.append(TubeProof(tube.box, periods, ("tubes", len(ways))))
 
     def _follow(self, tubes: Sequence[TubeProof]) -> None:
-        """Take in the boxes that are followed to their end."""
+        """Accept the boxes that are followed to their end."""
         results = follow_tubes(self.follower, self.whole.claim, tubes)
         for tube, followed in zip(tubes, results, strict=True):
             self._take(tube, followed)
         while self.whole.window and self.lost and self.found and not self.follower.memory:
-            # Of a map whose loop remembers nothing, those also that lead into others before them.
+            # In the map of a loop without memory, also boxes that lead into earlier ones.
             ends = ends_of_boxes([tube.box for tube in self.found])
             count, waiting = len(self.found), list(self.lost)
             results = self.follower.follow(
@@ -193,7 +192,7 @@ class _Halving:
             self.lost[tube] = followed.against
 
     def certificate(self) -> Certificate:
-        """Return the certificate of the result; the checker has accepted it as it is."""
+        """Return the resulting certificate, accepted by the checker."""
         certificate = replace(self.whole, tubes=tuple(self.found))
         if self.found:
             demand_proved(self.problem, certificate, self.surfaces)

@@ -1,4 +1,4 @@
-"""One call that proves: a statement on a rule base, a claim about a loop, all that a file says."""
+"""The call of a proof: a statement on a rule base, a claim about a loop, a whole file."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from fuzzyarm.requests.prove import ProveRequest
 Tell = Callable[[str, int, float], None]
 
 _LOOP_WORDS = re.compile(r"\s*(?:prove\s+)?(stable|on)\b")
-"""How a statement on a loop begins."""
+"""First words of a statement on a loop."""
 
 
 class _MapKeywords(TypedDict, total=False):
-    """Keywords of `prove` that count for a map of starts, besides the plant."""
+    """Keywords of `prove` for a map of starts, besides the plant."""
 
     connect: Mapping[str, str] | None
     sensors: Mapping[str, Sensor] | None
@@ -56,28 +56,28 @@ class ProveKeywords(_MapKeywords, total=False):
     Attributes
     ----------
     plant : str or Plant
-        Of a controller: a shipped plant, a file, or one of your own; then the statement need not
-        say ``on PLANT``.
+        Of a controller: a shipped plant, a file, or a plant of your own; the statement may then
+        leave ``on PLANT`` out.
     connect : mapping of str to str
-        Of a controller: from its names to ports of the plant, where they differ.
+        Of a controller: port of the plant for each of its names that differs.
     sensors : mapping of str to Sensor
         Of a controller: by port; exact ones by default.
     budget : float
-        Seconds after which it stays undecided.
+        Seconds until the verdict is undecided.
     tolerance : float
-        Of a rule base: how far a bound may be from what is attained, in units of what is bounded;
-        1e-8 of the range of the output by default.
+        Of a rule base: largest gap between bounds and attained values, in their units; 1e-8 of the
+        range of the output by default.
     exact : bool
-        Of a rule base: compute in rationals throughout, so that bounds are not widened.
+        Of a rule base: compute in rationals only, without widening.
     continuous : bool
-        Of a controller: as if it ran without a period.
+        Of a controller: in continuous time, without a period.
     tell : callable
         Called with the statement, the number of pieces or attempts and the gap between the bounds;
-        NaN where there is none.
+        NaN if there is none.
     trust : bool
-        Of a file: whether plants that it names may be code, which is run.
+        Of a file: whether code of its plants may run.
     map : bool
-        Of a controller on `plant`: which starts are proved to come to rest, in place of a
+        Of a controller on `plant`: a map of the starts proved to come to rest, in place of a
         statement; a :class:`StartMap`.
     over : str or mapping of str to (float, float)
         Of a map: the window of starts, as in ``"position in -1 .. 1"``; by default the ranges of
@@ -87,7 +87,7 @@ class ProveKeywords(_MapKeywords, total=False):
     executor : Executor
         Of a map: any of :mod:`concurrent.futures` instead of processes of this machine.
     resume : path-like
-        Of a map: a journal, which is begun or gone on with.
+        Of a map: a journal file, begun or continued.
     """
 
     plant: str | Plant | None
@@ -163,10 +163,10 @@ def prove(
     Parameters
     ----------
     thing : RuleBase, ControllerText, str, path-like or ProveRequest
-        Which; of a file its path. A request alone says all that ``fuzzyarm prove`` does.
+        The subject; of a file its path. A request alone is a whole ``fuzzyarm prove`` command.
     statement : str, Property or LoopClaim, optional
         As after ``prove`` in a file: ``"u rises with e"`` of a rule base, ``"stable on motor"``
-        of a controller. Without one, of a path, everything that its file states.
+        of a controller. A path without one: all statements of its file.
     **keywords
         ``budget`` and ``tell``; of a rule base ``tolerance`` and ``exact``; of a controller
         ``plant``, ``connect``, ``sensors``, ``continuous`` and ``trust``; with ``map=True`` also
@@ -185,11 +185,11 @@ def prove(
     RuleBaseError
         If the statement cannot be read.
     WrongKindError
-        If it is one on a loop and `thing` is a rule base, or the other way round.
+        If the statement is about a loop and `thing` is a rule base, or the other way round.
     PlantError
         If there is no such plant.
     FuzzyarmError
-        If fields of a request do not go together.
+        If fields of a request conflict.
 
     Examples
     --------
@@ -230,7 +230,7 @@ def prove(
 
 
 def _wants_map(keywords: dict[str, Any]) -> bool:
-    """Tell whether a map is requested; refuse its keywords otherwise."""
+    """Return whether a map is requested; refuse its keywords otherwise."""
     if keywords.pop("map", False):
         return True
     for name in OF_MAPS:
@@ -244,7 +244,7 @@ def _map_of(
     statement: str | LoopClaim | Property | None,
     keywords: dict[str, Any],
 ) -> StartMap:
-    """Map the starts of the loop of a controller; a statement may say its set point."""
+    """Map the starts of a controller's loop; a statement may give its set point."""
     model = above.function("load")(thing) if isinstance(thing, str | os.PathLike) else thing
     if not isinstance(model, ControllerText):
         raise wrong_kind(model, CONTROLLER)
@@ -284,7 +284,7 @@ def _map_of(
 
 
 def _of_file(path: str, keywords: dict[str, Any]) -> tuple[Proof, ...]:
-    """Prove everything that a file states."""
+    """Prove all statements of a file."""
     words = {name: value for name, value in keywords.items() if name != "tell"}
     for name in ("plant", "connect", "sensors"):
         if name in words:
@@ -326,12 +326,12 @@ def _of_controller(
 
 
 def _may_be_a_claim(statement: str) -> bool:
-    """Whether a statement begins as a claim about a loop does, or nearly so."""
+    """Return whether a statement begins like a claim about a loop, or nearly so."""
     words = statement.strip().removeprefix("prove ").split(maxsplit=1)
     return bool(words) and nearest(words[0], ("stable", "on")) is not None
 
 
 def _is_of_a_loop(statement: str | Property, rulebase: AnyRuleBase) -> bool:
-    """Whether a text speaks of a loop; an output may be called ``stable`` or ``on``."""
+    """Return whether a text is about a loop; an output may be called ``stable`` or ``on``."""
     words = _LOOP_WORDS.match(statement) if isinstance(statement, str) else None
     return words is not None and all(words[1] != output.name for output in rulebase.model.outputs)

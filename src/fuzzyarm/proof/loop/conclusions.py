@@ -1,9 +1,8 @@
-"""Rule bases and tables as known gains and blocks, around where their inputs are at rest.
+"""Rule bases and tables as known gains and blocks, around their inputs at rest.
 
-Along the sum of its inputs that its linear law has, a rule base is a gain within a proved sector
-(:mod:`fuzzyarm.proof.map.sector`), where it vanishes with that sum; else the difference from its
-value at rest is a sum of its inputs with gains among its proved slopes (mean value theorem, on
-pieces).
+A rule base that vanishes with the weighted input sum of its linear law is one gain along this sum,
+within a proved sector (:mod:`fuzzyarm.proof.map.sector`); otherwise its deviation from rest is a
+sum of its inputs with gains within its proved slopes (mean value theorem, on pieces).
 """
 
 from __future__ import annotations
@@ -37,8 +36,8 @@ Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
 class Conclusions:
     """The rule bases and tables of one loop, with a cache of proved bounds.
 
-    Where the rest is not exact (`is_exact`), inputs are only near 0: a sector is none. Where they
-    rest at 0 (`at_zero`), the linear law is the one around it, whatever they are.
+    If the rest is not exact (`is_exact`), inputs are only near 0, and a sector proves nothing. With
+    `at_zero`, the linear law is the one around 0, wherever the inputs rest.
     """
 
     def __init__(self, stop: Stop) -> None:
@@ -89,13 +88,13 @@ class Conclusions:
         return Fraction(value)
 
     def _kept(self, key: object, find: Callable[[], T]) -> T:
-        """Return what was found under a key before, or is now."""
+        """Return a cached value, computed on first use."""
         if key not in self._cache:
             self._cache[key] = find()
         return self._cache[key]  # type: ignore[return-value]
 
     def near(self, sheet: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
-        """Return an output at a point, as inference has it."""
+        """Return an output at a point, by inference."""
         self._demand_inside(self._prover(sheet, output), inputs)
         return float(kept(sheet)(inputs)[output])
 
@@ -114,7 +113,7 @@ class Conclusions:
         return universes
 
     def concluding(self, choice: Assumptions) -> Rules:
-        """Return the bounds that replace rule bases in a form."""
+        """Return the function that bounds rule bases in a form."""
 
         def rules(
             algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
@@ -163,7 +162,7 @@ class Conclusions:
                     low, high = gains[name] = self._slopes(prover, region, name)
                     words = f"{sheet.name}, its slope along {name} in"
                     parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
-        # The range is kept as well: it bounds the output where gains times large inputs would not.
+        # The range is kept as well: for large inputs it is tighter than gains times inputs.
         ends = self._range(prover, region)
         moving = [name for name in inputs if not inputs[name].is_constant]
         if moving:
@@ -184,14 +183,14 @@ class Conclusions:
         inputs: Mapping[str, Affine],
         signs: Mapping[str, int],
     ) -> dict[str, tuple[float, float]]:
-        """Return where inputs are taken to be, which is noted."""
+        """Return the assumed region of the inputs, and record it."""
         rest = {name: variable.constant for name, variable in inputs.items()}
         region: dict[str, tuple[float, float]] = {}
         for name, low, high in self._universes(prover):
             if inputs[name].is_constant:
                 region[name] = (float(rest[name]), float(rest[name]))
                 continue
-            # A region symmetric about rest, so that it is a bound on the deviation alone.
+            # Symmetric about rest, so that it bounds the deviation alone.
             doubt = inputs[name].doubt
             half = choice.share * (min(high - rest[name], rest[name] - low) - doubt)
             half = half if half <= 0 else Fraction(end_of(half, low=True))
@@ -226,7 +225,7 @@ class Conclusions:
             enclosure = sector(prover, weights, region)
         except (NoSectorError, UnprovableError):
             return None
-        # With slack the output is not exactly 0 where the sum is: then no gain along it is true.
+        # With slack the output is not exactly 0 with the sum: then no gain along it is sound.
         if enclosure.slack or not enclosure.complete:
             return None
         return weights, Fraction(enclosure.low), Fraction(enclosure.high)
@@ -251,7 +250,7 @@ class Conclusions:
         return prover.value(region)
 
     def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
-        """Return proved ends, kept under a key; a prover whose time runs out has none."""
+        """Return proved ends, cached under a key; a prover without time left proves none."""
         bounds = self._kept(key, prove)
         if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
             raise LoopProofError("time ran out before a rule base was bounded")
@@ -268,7 +267,7 @@ class Conclusions:
         return number(float(sheet.lookup(*at)))
 
     def tabled(self, choice: Assumptions) -> Tables:
-        """Return the bounds that replace tables in a form."""
+        """Return the function that bounds tables in a form."""
 
         def table(
             algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
@@ -281,7 +280,7 @@ class Conclusions:
 def _noted(
     choice: Assumptions, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
 ) -> dict[str, int]:
-    """Note the inputs of a rule base that move; return on which side of its rest each is."""
+    """Record the moving inputs of a rule base; return the side of its rest for each."""
     signs = dict.fromkeys(inputs, 0)
     for name, x in inputs.items():
         if not x.is_constant:
@@ -304,7 +303,7 @@ def _on_one_side(region: tuple[float, float], rest: Fraction, sign: int) -> tupl
 def _gain(
     algebra: AffineAlgebra, signal: Affine, low: Fraction, high: Fraction, words: str
 ) -> Affine:
-    """Return a signal times a gain between two numbers."""
+    """Return a signal times an uncertain gain between two numbers."""
     # gain = middle + radius δ with |δ| ≤ 1: the second part is a block of the form.
     middle, radius = (low + high) / 2, (high - low) / 2
     form = signal.scaled(middle)
@@ -317,7 +316,7 @@ def _gain(
 def _table_form(
     choice: Assumptions, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
 ) -> Affine:
-    """Return a table that is interpolated as slopes along each input, around rest."""
+    """Return an interpolated table as slopes along each input, around rest."""
     if sheet.default_mode != "linear":
         raise LoopProofError(f"a table with steps ('{sheet.default_mode}') jumps at rest")
     rest = [float(variable.constant) for variable in inputs.values()]

@@ -1,9 +1,9 @@
-"""The search for functions of cones: parts of the states, where rule bases have an edge at rest.
+"""The search for Lyapunov functions by cone, for rule bases with an edge at rest.
 
 Each input of a rule base is on one side of its rest or on the other; in each combination, a cone,
-the rules have slopes of their own. First one quadratic function of all cones is looked for, which
-has to fall in each of them only; then one of each cone, which have to fall from one to the next.
-What is to hold says :mod:`fuzzyarm.proof.check.region`; here are floats, which are not trusted.
+the rules have their own slopes. First one quadratic function for all cones is sought, which need
+fall in each of them only; then one per cone, which have to fall from one to the next. The
+conditions are in :mod:`fuzzyarm.proof.check.region`; the floats here are not trusted.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.proof.stop import Stop
 
 MOST_SIGNALS = 3
-"""Signals of which each has two sides: 8 cones."""
+"""Most signals with two sides: 8 cones."""
 
 ROUNDS = 2
-"""How often the logarithm of the volume is replaced by its tangent."""
+"""Linearisations of the logarithm of the volume."""
 
 MARGIN = 1e-6
-"""Share by which the start is above the functions of all cones."""
+"""Relative margin of the start's function over those of all cones."""
 
 
 def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
-    """Return the loop in each cone; none where no input of a rule base has two sides.
+    """Return the loop in each cone; none if no input of a rule base has two sides.
 
-    Only inputs that rest at an edge are cut, and that states alone make: others depend on gains,
+    Cuts are at inputs that rest at an edge and depend on states alone: others depend on gains,
     which differ by cone.
     """
     signals: dict[tuple[Fraction, ...], int] = {}
@@ -72,9 +72,9 @@ def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
 
 
 def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[Candidate]:
-    """Yield one function for all cones, or where there is none, one for each.
+    """Yield one function for all cones, or else one for each.
 
-    `base` is the loop whatever cone it is in, `forms` are those in each.
+    `base` is the loop in any cone, `forms` are those in each.
     """
     for own in (False, True):
         if stop.now:
@@ -93,14 +93,14 @@ def cone_candidates(base: Form, forms: Sequence[Form], stop: Stop) -> Iterator[C
 
 @dataclass(frozen=True)
 class _Part:
-    """A cone in coordinates in which V of the linear loop is about |z|²."""
+    """A cone in coordinates with V ≈ |z|² for the linear loop."""
 
     a: Vector  # a, b: of the next z; shapes (n, n) and (n, m)
     b: Vector
     c: Vector  # of the blocks; shape (m, n + m)
     units: Vector  # of the blocks; shape (m,)
-    sides: Vector  # signals that are not negative, of length 1; shape (s, n)
-    lengths: Vector  # what they were before; shape (s,)
+    sides: Vector  # unit rows of signals that are not negative; shape (s, n)
+    lengths: Vector  # their norms before scaling; shape (s,)
 
     @property
     def move(self) -> Vector:
@@ -109,12 +109,12 @@ class _Part:
 
     @property
     def blocks(self) -> int:
-        """How many."""
+        """Number of blocks."""
         return int(self.b.shape[1])
 
 
 class _Search:
-    """One matrix inequality over all cones: unknown are P of each, and all multipliers."""
+    """One matrix inequality over all cones, in the P of each and all multipliers."""
 
     def __init__(self, base: Form, forms: Sequence[Form], *, own: bool) -> None:
         self.own, self.n = own, base.size
@@ -151,7 +151,7 @@ class _Search:
         return 1 + len(self.parts) if self.own else 1
 
     def _function(self, cone: int) -> int:
-        """Return which P is that of a cone; 0 is that of the start."""
+        """Return the index of a cone's P; 0 is that of the start."""
         return 1 + cone if self.own else 0
 
     @property
@@ -166,7 +166,7 @@ class _Search:
         return own if goal is None else np.vstack([own, self.parts[goal].sides @ part.move])
 
     def _falls(self) -> tuple[list[Inequality], list[tuple[int, list[tuple[int, int]]]]]:
-        """Return the inequalities; and of each fall where its multipliers begin, and its pairs."""
+        """Return the inequalities; and for each fall its first multiplier's index, and pairs."""
         count, size = len(self.basis), self._functions * len(self.basis)
         places: list[tuple[int, list[tuple[int, int]]]] = []
         width = size
@@ -195,13 +195,13 @@ class _Search:
             for index, (i, j) in enumerate(pairs, begin + m):
                 both = np.outer(rows[i], rows[j])
                 parts[index, 0] = -(both + both.T)
-            # Small steps change V little: the scale of the decrease is factored out.
+            # Short steps change V little: the scale of the decrease is factored out.
             pace = max(float(np.linalg.norm(part.move - stay)), 1e-9)
             inequalities.append(Inequality(np.zeros((1, n + m, n + m)), parts / pace))
         return inequalities, places
 
     def _bounds(self) -> list[Inequality]:
-        """Return what keeps the functions in bounds, and multipliers at least 0."""
+        """Return the inequalities that bound the functions, and keep multipliers at least 0."""
         count, n = len(self.basis), self.n
         functions = range(1, self._functions) if self.own else range(1)
         found = []
@@ -212,7 +212,7 @@ class _Search:
             if self.rows:
                 sides = np.array(self.rows)
                 constant[:, n, :n] = constant[:, :n, n] = sides
-            else:  # everywhere: V has no scale of its own
+            else:  # everywhere: the scale of V is free
                 constant[:, :n, :n] = -np.eye(n)
             constant[:, n, n] = 1.0
             found.append(Inequality(constant, parts))
@@ -229,7 +229,7 @@ class _Search:
         return found
 
     def found(self, stop: Stop) -> Candidate | None:
-        """Return the functions with a large start; None where none were found."""
+        """Return the functions with a large start; None if none were found."""
         falls, places = self._falls()
         inequalities = [*falls, *self._bounds()]
         count = len(self.basis)
@@ -289,7 +289,7 @@ class _Search:
 
 
 def _first_of(forms: Sequence[Form], rows: Sequence[Vector]) -> Vector:
-    """Return coordinates in which V of one of the loops without its blocks is about |z|²."""
+    """Return coordinates with V ≈ |z|² for one of the loops without its blocks."""
     for form in forms:
         first = whitening(floats(form.a), rows, continuous=False)
         if first is not None:

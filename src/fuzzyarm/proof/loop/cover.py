@@ -1,9 +1,9 @@
 """The part of a window of states proved so far, as a target of further boxes.
 
-Where a loop remembers nothing and its window has all states of the plant, a run that comes into a
-proved box is as one that starts there. So the union of what is proved is a goal, which grows
-backward from rest. It is kept as cells of a grid, each wholly proved or not; a box is in it where
-the sum over its cells, read from a table of partial sums, is their number.
+In a loop without memory whose window has all states of the plant, a run that enters a proved box
+continues like one that starts there. So the union of proved boxes is a goal, which grows backward
+from rest. It is stored as cells of a grid, each wholly proved or not; a box is inside if the sum
+over its cells, read from a table of partial sums, is their number.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
 
 HALVINGS = {1: 12, 2: 8, 3: 6, 4: 5, 5: 4}
-"""By the number of states: how often each side of the window is halved for the cells."""
+"""Halvings of each side of the window for the cells, by the number of states."""
 
 
 class Cover:
@@ -39,11 +39,11 @@ class Cover:
 
     @staticmethod
     def fits(dimensions: int) -> bool:
-        """Tell whether so many states have a grid."""
+        """Return whether there is a grid for this number of states."""
         return dimensions in HALVINGS
 
     def _edges(self, way: int, window: Box) -> NDArray[np.float64]:
-        """Return the ends of cells along a side, rounded as those of halved boxes are."""
+        """Return the ends of cells along a side, rounded like those of halved boxes."""
         ends = [window.low[way], window.high[way]]
         while len(ends) <= self.count:
             middles = [0.5 * a + 0.5 * b for a, b in pairwise(ends)]
@@ -51,7 +51,7 @@ class Cover:
         return np.array(ends)
 
     def add(self, low: tuple[float, ...], high: tuple[float, ...]) -> None:
-        """Take in a proved box of the window, made by halving it; each box once."""
+        """Add a proved box of the window, made by halving; each box once."""
         cells, share = [], 1.0
         for way, (a, b) in enumerate(zip(low, high, strict=True)):
             found = self._halved(way, a, b)
@@ -64,13 +64,13 @@ class Cover:
         self.is_new = True
 
     def _halved(self, way: int, a: float, b: float) -> tuple[int, int, float] | None:
-        """Return the first cell of a side and their number, and its share of a cell: exact."""
+        """Return the first cell of a side, their number, and the side's share of a cell: exact."""
         low, high = float(self.low[way]), float(self.high[way])
         first, count, share = 0, self.count, 1.0
         while (low, high) != (a, b):
             middle = 0.5 * low + 0.5 * high
             if not low < middle < high or a < middle < b:
-                return None  # no half of a half of the window
+                return None  # not a repeated half of the window
             above = a >= middle
             low, high = (middle, high) if above else (low, middle)
             if count > 1:
@@ -81,14 +81,14 @@ class Cover:
         return first, count, share
 
     def add_cells(self, inside: NDArray[np.bool_]) -> None:
-        """Take in whole cells."""
+        """Add whole cells."""
         self.filled[inside] = 1.0
         self.is_new = True
 
     def holds(self, box: Intervals) -> NDArray[np.bool_]:
-        """Tell which boxes are wholly in proved cells; of shape (states, boxes)."""
+        """Return which boxes, shape (states, boxes), are wholly in proved cells."""
         if self.is_new:
-            # Parts of a cell are disjoint, and their shares powers of 1/2: the sum is exact.
+            # Parts of a cell are disjoint, with shares that are powers of 1/2: the sum is exact.
             whole = (self.filled >= 1.0).astype(np.int64)
             for axis in range(whole.ndim):
                 whole = np.cumsum(whole, axis=axis)
@@ -98,7 +98,8 @@ class Cover:
         inside = np.ones(box.low.shape[1], dtype=bool)
         for k, edges in enumerate(self.edges):
             inside &= (box.low[k] >= edges[0]) & (box.high[k] <= edges[-1])
-            # The cells from the last edge that is not above the lower end to the first not below.
+            # The cells from the last edge not above the lower end to the first not below the upper
+            # end.
             first = np.searchsorted(edges, box.low[k], side="right") - 1
             last = np.searchsorted(edges, box.high[k], side="left")
             firsts.append(np.clip(first, 0, self.count - 1))

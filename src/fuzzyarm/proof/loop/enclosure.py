@@ -1,13 +1,13 @@
 r"""Intervals over arrays of floats, rounded outward; functions and matrix exponential of them.
 
-An operation of IEEE 754 gives the float that is nearest to the true result, so the neighbour
-outside holds the true result. Functions of a C library promise no such thing. Here sine, cosine
-and the exponential are Taylor polynomials of a reduced argument, whose remainder and rounding are
-bounded by constants below; the others follow from these three. A value of NumPy's own functions is
-never more than a guess, which the enclosed ones correct.
+An operation of IEEE 754 returns the float nearest to the true result, so the next float outward
+bounds the true result. Functions of a C library promise no such thing. Here sine, cosine and the
+exponential are Taylor polynomials of a reduced argument, with remainder and rounding bounded by
+constants below; the others follow from these three. NumPy's own functions only provide guesses,
+which the enclosed ones correct.
 
-The matrix exponential is scaled, summed as a Taylor series whose tail is bounded by a geometric
-one, and squared, all of it in intervals.
+The matrix exponential uses scaling and squaring, with a Taylor series whose tail is bounded by a
+geometric one, all in intervals.
 
 Sources: R. E. Moore, R. B. Kearfott and M. J. Cloud, *Introduction to Interval Analysis*, SIAM
 2009; N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition, SIAM 2002,
@@ -43,13 +43,13 @@ def _up(values: Vector) -> Vector:
 
 
 def outward(low: Any, high: Any) -> Intervals:
-    """Return intervals whose ends are the neighbours of some floats outside."""
+    """Return intervals with the next floats outward as ends."""
     return Intervals(_down(np.asarray(low, float)), _up(np.asarray(high, float)))
 
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """An array of intervals. The results of all operations hold all true results.
+    """An array of intervals. The results of operations contain all true results.
 
     Examples
     --------
@@ -64,13 +64,13 @@ class Intervals:
 
     @classmethod
     def at(cls, values: Any) -> Intervals:
-        """Return the intervals that hold one float each."""
+        """Return point intervals."""
         values = np.asarray(values, float)
         return cls(values, values)
 
     @classmethod
     def between(cls, low: Any, high: Any) -> Intervals:
-        """Return intervals from their ends; EnclosureError where one has no order."""
+        """Return intervals from their ends; EnclosureError if two ends are out of order or NaN."""
         low, high = np.broadcast_arrays(np.asarray(low, float), np.asarray(high, float))
         if not np.all(low <= high):
             raise EnclosureError("an interval ends before it begins, or is not a number")
@@ -88,7 +88,7 @@ class Intervals:
 
     @property
     def radius(self) -> Vector:
-        """How far the ends are from :attr:`middle`, rounded up."""
+        """The largest distance of the ends from :attr:`middle`, rounded up."""
         middle = self.middle
         values = np.maximum(self.high - middle, middle - self.low)
         return np.asarray(np.where(self.low == self.high, 0.0, _up(values)))
@@ -106,12 +106,12 @@ class Intervals:
         return Intervals(self.low.reshape(*shape), self.high.reshape(*shape))
 
     def holds(self, values: Any) -> NDArray[np.bool_]:
-        """Tell of each whether it holds a float, or the whole of another interval."""
+        """Return which intervals contain a float, or the whole of another interval."""
         other = values if isinstance(values, Intervals) else Intervals.at(values)
         return np.asarray((self.low <= other.low) & (other.high <= self.high))
 
     def hull(self, other: Intervals) -> Intervals:
-        """Return the smallest intervals that hold both."""
+        """Return the smallest intervals that contain both."""
         return Intervals(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
 
     def meet(self, other: Intervals) -> Intervals:
@@ -152,7 +152,7 @@ class Intervals:
         return _intervals(other) / self
 
     def squared(self) -> Intervals:
-        """Return the squares, which are not negative."""
+        """Return the squares, never negative."""
         low, high = absolute(self).low, absolute(self).high
         return Intervals(np.maximum(_down(low * low), 0.0), _up(high * high))
 
@@ -174,7 +174,7 @@ def absolute(x: Intervals) -> Intervals:
 
 
 def square_root(x: Intervals) -> Intervals:
-    """Return the roots; EnclosureError where something negative is in an interval."""
+    """Return the roots; EnclosureError if an interval has negative values."""
     if np.any(x.low < 0.0):
         raise EnclosureError("the root of an interval that contains negative numbers")
     return Intervals(np.maximum(_down(np.sqrt(x.low)), 0.0), _up(np.sqrt(x.high)))
@@ -182,27 +182,27 @@ def square_root(x: Intervals) -> Intervals:
 
 # ── sine, cosine, exponential at floats ──────────────────────────────────────────────
 
-# π/2 and ln 2 as a float of few bits, of which a whole multiple is exact, and the rest.
+# π/2 and ln 2 as a float of few bits, with exact integer multiples, and the remainder.
 HALF_PI = 1.57079632673412561417e00, 6.07710050650619224932e-11
 LOG_2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 
 MOST_TURNS = 2.0**19
-"""Quarter turns up to which an argument is reduced; sine and cosine of more lie in [-1, 1]."""
+"""Most quarter turns of a reduced argument; beyond, sine and cosine are [-1, 1]."""
 
 OF_SINE = 6e-15
-r"""How far sine and cosine are off.
+r"""Largest error of sine and cosine.
 
 The reduced argument r is within 0.786 and within 3e-16 of the true one: two roundings of numbers
-below 1, one of the product with the rest of π/2, and that rest itself to 7e-27 of each quarter
-turn. The Taylor polynomials end with r¹⁷ and r¹⁶; what follows is below 0.79¹⁸/18! < 3e-18.
-Horner's rule over nine coefficients takes 3 roundings for each (r² is rounded too), so it is off
-by less than 28 · 2⁻⁵³/(1 − 28 · 2⁻⁵³) · sinh or cosh 0.79 < 4.2e-15 (Higham, (5.3)).
+below 1, one of the product with the remainder of π/2, and that remainder itself to 7e-27 of each
+quarter turn. The Taylor polynomials end with r¹⁷ and r¹⁶; the tail is below 0.79¹⁸/18! < 3e-18.
+Horner's rule over nine coefficients takes 3 roundings for each (r² is rounded too), an error of
+less than 28 · 2⁻⁵³/(1 − 28 · 2⁻⁵³) · sinh or cosh 0.79 < 4.2e-15 (Higham, (5.3)).
 """
 
 OF_EXPONENTIAL = 1.1e-14
-r"""How far the exponential is off, as a share of it.
+r"""Largest relative error of the exponential.
 
-|r| ≤ 0.348, off by 2e-16; the tail from r¹⁴ on is below 1e-17; fourteen coefficients with two
+|r| ≤ 0.348, to 2e-16; the tail from r¹⁴ on is below 1e-17; fourteen coefficients with two
 roundings each: 29 · 2⁻⁵³ · e^0.35 < 4.6e-15, over e^-0.35 < 0.71: 6.6e-15.
 """
 
@@ -220,7 +220,7 @@ _OF_EXPONENTIAL = [1.0 / math.factorial(k) for k in range(14)]
 
 
 def _waves(x: Vector) -> tuple[Vector, Vector]:
-    """Return sine and cosine of floats, to :data:`OF_SINE`; 0 where there are too many turns."""
+    """Return sine and cosine of floats, to :data:`OF_SINE`; 0 beyond the most turns."""
     turns = np.rint(x * (2.0 / math.pi))
     small = np.abs(turns) <= MOST_TURNS
     turns = np.where(small, turns, 0.0)
@@ -239,11 +239,11 @@ def _is_far(x: Vector) -> NDArray[np.bool_]:
 
 
 def _exponentials(x: Vector) -> tuple[Vector, Vector]:
-    """Return the exponentials of floats and how far they may be off."""
+    """Return the exponentials of floats and their errors."""
     clipped = np.clip(x, -740.0, 700.0)
     powers = np.rint(clipped / (LOG_2[0] + LOG_2[1]))
     r = (clipped - powers * LOG_2[0]) - powers * LOG_2[1]
-    # In two steps, for one of them may leave the range of a float where the result does not.
+    # In two steps: a single one may leave the range of a float though the result does not.
     first = np.floor(0.5 * powers).astype(np.int64)
     power = np.ldexp(np.ldexp(_horner(_OF_EXPONENTIAL, r), first), powers.astype(np.int64) - first)
     return power, OF_EXPONENTIAL * power + 1e-300
@@ -266,11 +266,11 @@ def waves(x: Intervals) -> tuple[Intervals, Intervals]:
 
 
 def _wave(x: Intervals, at_low: Vector, at_high: Vector, top: float) -> Intervals:
-    """Return a wave from its values at both ends: 1 at `top` and at each turn from it."""
+    """Return a wave from its values at both ends: 1 at `top` and at each full turn from it."""
     low = _down(np.minimum(at_low, at_high) - OF_SINE)
     high = _up(np.maximum(at_low, at_high) + OF_SINE)
     if x.low is not x.high:
-        # A turning point at the very edge counts: the search interval is slightly widened.
+        # The interval is slightly widened, to include a turning point at its very edge.
         slack = 1e-9 * (1.0 + x.size)
         for turn, is_top in ((top, True), (top + math.pi, False)):
             nearest = np.ceil((x.low - slack - turn) / (2.0 * math.pi))
@@ -308,17 +308,17 @@ def tangent(x: Intervals) -> Intervals:
 
 
 def _rising(at: Callable[[Vector], Intervals], x: Intervals) -> Intervals:
-    """Return the values of a function that rises, from its enclosures at floats."""
+    """Return the values of a rising function, from its enclosures at floats."""
     return Intervals(at(x.low).low, at(x.high).high)
 
 
 def logarithm(x: Intervals) -> Intervals:
-    """Return the natural logarithms; EnclosureError where something is not positive."""
+    """Return the natural logarithms; EnclosureError unless positive."""
     if np.any(x.low <= 0.0):
         raise EnclosureError("the logarithm of an interval that contains 0 or negative numbers")
 
     def at(values: Vector) -> Intervals:
-        # With a guess y it is y + log(1 + w), w = x e^-y - 1, and w / (1 + w) ≤ log(1 + w) ≤ w.
+        # For a guess y: log x = y + log(1 + w), w = x e^-y - 1, and w / (1 + w) ≤ log(1 + w) ≤ w.
         guess = Intervals.at(np.log(values))
         w = exponential(-guess) * Intervals.at(values) - 1.0
         if not np.all(w.low > -0.5):
@@ -332,8 +332,8 @@ def arctangent(x: Intervals) -> Intervals:
     """Return the arc tangents."""
 
     def small(values: Vector) -> Intervals:
-        # With a guess y it is y + atan d, d = (x - tan y) / (1 + x tan y), and |atan d| ≤ |d|. That
-        # the two are within a quarter turn is that 1 + x tan y is positive.
+        # For a guess y: atan x = y + atan d, d = (x - tan y) / (1 + x tan y), and |atan d| ≤ |d|.
+        # Both are within a quarter turn if 1 + x tan y is positive.
         guess = Intervals.at(np.arctan(values))
         tan, point = tangent(guess), Intervals.at(values)
         below = point * tan + 1.0
@@ -356,7 +356,7 @@ def arctangent(x: Intervals) -> Intervals:
 
 
 def hyperbolic_tangent(x: Intervals) -> Intervals:
-    """Return the hyperbolic tangents: 1 - 2 / (e^2x + 1), of the magnitude with its sign."""
+    """Return the hyperbolic tangents: 1 - 2 / (e^2x + 1) of the magnitude, with the sign."""
 
     def at(values: Vector) -> Intervals:
         size = Intervals.at(np.minimum(np.abs(values), 300.0))
@@ -370,7 +370,7 @@ def hyperbolic_tangent(x: Intervals) -> Intervals:
 
 
 def hyperbolics(x: Intervals) -> tuple[Intervals, Intervals]:
-    """Return the hyperbolic sines and cosines: half of e^x less or more e^-x."""
+    """Return the hyperbolic sines and cosines: (e^x ∓ e^-x) / 2."""
     low, high = (_hyperbolics(Intervals.at(end)) for end in (x.low, x.high))
     across = (x.low < 0.0) & (x.high > 0.0)
     least = np.where(across, 1.0, np.minimum(low[1].low, high[1].low))
@@ -387,7 +387,7 @@ def _hyperbolics(x: Intervals) -> tuple[Intervals, Intervals]:
 
 
 def arcsine(x: Intervals) -> Intervals:
-    """Return the arc sines; EnclosureError where something is not between -1 and 1."""
+    """Return the arc sines; EnclosureError outside [-1, 1]."""
     if np.any(x.size >= 1.0):
         raise EnclosureError("the arc sine of an interval that goes to 1 or -1")
 
@@ -399,18 +399,18 @@ def arcsine(x: Intervals) -> Intervals:
 
 
 def arccosine(x: Intervals) -> Intervals:
-    """Return the arc cosines, as far as there are arc sines."""
+    """Return the arc cosines, π/2 minus the arc sines."""
     return half_pi() - arcsine(x)
 
 
 @cache
 def half_pi() -> Intervals:
     """Return a quarter turn."""
-    return outward(0.5 * math.pi, 0.5 * math.pi)  # π is irrational: its neighbours hold it
+    return outward(0.5 * math.pi, 0.5 * math.pi)  # π is irrational: between these floats
 
 
 def power(x: Intervals, exponent: float) -> Intervals:
-    """Return powers with one exponent: integer, or of positive numbers."""
+    """Return powers: an integer exponent, or positive bases."""
     if exponent == 0.0:
         return Intervals.at(np.ones_like(x.low))
     if exponent < 0.0:
@@ -446,13 +446,13 @@ FUNCTIONS: dict[str, Callable[[Intervals], Intervals]] = {
     "cosh": lambda x: hyperbolics(x)[1],
     "tanh": hyperbolic_tangent,
 }
-"""The values of smooth operations by their names; their slopes follow from their records."""
+"""Smooth operations by name; their slopes follow from their records."""
 
 
 # ── matrices ─────────────────────────────────────────────────────────────────────────
 
 TERMS = 18
-"""Powers in the series of the matrix exponential."""
+"""Last power in the series of the matrix exponential."""
 
 
 def matrix_product(a: Intervals, b: Intervals) -> Intervals:
@@ -469,15 +469,15 @@ def matrix_exponential(matrix: Intervals | Any, time: float = 1.0) -> Intervals:
     Parameters
     ----------
     matrix : Intervals or array_like, shape (n, n)
-        A: numbers, or intervals that are taken as independent of one another.
+        A: numbers, or independent intervals.
     time : float
         t.
 
     Returns
     -------
     Intervals
-        Shape (n, n). With the inputs held, the sampled matrices of a linear plant stand in the
-        upper rows of the exponential of ``[[A, B], [0, 0]]``.
+        Shape (n, n). The sampled matrices of a linear plant with held inputs are the upper rows of
+        the exponential of ``[[A, B], [0, 0]]`` (Van Loan).
 
     Examples
     --------
@@ -492,10 +492,10 @@ def matrix_exponential(matrix: Intervals | Any, time: float = 1.0) -> Intervals:
     size = float(_up(whole.size.sum(axis=1) * (1.0 + 1e-12)).max(initial=0.0))
     if not math.isfinite(size):
         raise EnclosureError("the exponential of a matrix that is not finite")
-    halvings = max(0, math.frexp(size)[1] + 1)  # so that its norm is at most 1/2
+    halvings = max(0, math.frexp(size)[1] + 1)  # for a norm of at most 1/2
     small = outward(np.ldexp(whole.low, -halvings), np.ldexp(whole.high, -halvings))
     unit = Intervals.at(np.eye(len(whole.low)))
-    # I + A (I + A/2 (I + A/3 (…))); the tail is at most the first term left out, twice.
+    # I + A (I + A/2 (I + A/3 (…))); the tail is at most twice the first omitted term.
     total = unit
     for k in range(TERMS, 0, -1):
         total = unit + matrix_product(small, total) / float(k)

@@ -1,21 +1,20 @@
-r"""Where the solutions of an ordinary differential equation go: one step, over affine forms.
+r"""Validated integration of an ordinary differential equation: one step, over affine forms.
 
 ``x' = f(t, x, u, p)`` with u and p constant. A step of length h takes three walks over the
 expression of f.
 
-1. A box X̂ that no solution leaves during the step: one with X₀ + [0, h] f(X̂) inside (Picard).
-2. The Taylor coefficients over X̂ as intervals. The last of them, xₖ₊₁ hᵏ⁺¹, is what a solution
-   differs from its Taylor polynomial (Lagrange), each state at its own time within the step.
-3. The Taylor coefficients of the solutions from X₀ as forms, so that what two states owe to one
-   symbol stays together:  x(h) = x₀ + x₁ h + … + xₖ hᵏ + xₖ₊₁ hᵏ⁺¹.
+1. An a-priori enclosure X̂ of the solutions during the step, X₀ + [0, h] f(X̂) ⊂ X̂ (Picard).
+2. The Taylor coefficients over X̂ as intervals. The last of them, xₖ₊₁ hᵏ⁺¹, is the remainder of
+   the Taylor polynomial (Lagrange), each state at its own time within the step.
+3. The Taylor coefficients of the solutions from X₀ as forms, which keep the dependence of states
+   on common symbols:  x(h) = x₀ + x₁ h + … + xₖ hᵏ + xₖ₊₁ hᵏ⁺¹.
 
 Coefficients of a product are sums of products; those of a function y of x follow from y' = s x',
-where the slope s is an expression of its own, from the record of the operation. Between the ends of
-the step a solution is within ⅛ h² |x''| of the straight line between them; x'' is twice a
-coefficient that is there.
+with the slope s as an expression from the record of the operation. Between the ends of the step a
+solution is within ⅛ h² |x''| of its chord; x'' is twice the coefficient of order 2.
 
-Where a corner (of ``max``, of a choice) lies within X̂ there are no coefficients. Such a step takes
-the mean of f over the step, which lies in f of the form X₀ + [0, h] f(X̂).
+If a corner (of ``max``, of a choice) lies within X̂ there are no coefficients. Such a step uses the
+mean of f over the step, which lies in f over the form X₀ + [0, h] f(X̂).
 
 Sources: R. E. Moore, *Interval Analysis*, 1966, chapter 11; R. Lohner, "Enclosing the solutions of
 ordinary initial and boundary value problems", *Computerarithmetic*, 1987; M. Althoff, O. Stursberg
@@ -64,7 +63,7 @@ class CornerError(EnclosureError):
 
 
 class _Buffer:
-    """The coefficients of one node, filled in one after the other."""
+    """The coefficients of one node, filled in order by order."""
 
     __slots__ = ("centre", "forms", "parts", "rest", "spread")
 
@@ -76,7 +75,7 @@ class _Buffer:
         self.forms = Forms(self.centre, self.parts, self.rest, self.spread)
 
     def put(self, k: int, value: Forms) -> None:
-        # A form may have fewer symbols than the buffer; the parts of the others stay 0.
+        # A form may have fewer symbols than the buffer; other parts stay 0.
         count = len(value.parts)
         self.centre[k], self.rest[k], self.spread[k] = value.centre, value.rest, value.spread
         self.parts[:count, k] = value.parts
@@ -96,11 +95,12 @@ class _Series:
         self.buffers: dict[Any, _Buffer] = {}
         self.conditions: dict[Node, Intervals] = {}
         self.inverses: dict[Node, Forms] = {}
-        # The series over the box X̂, whose choices hold throughout the step; None in that series.
+        # The series over the box X̂, whose choices hold for the whole step; None in that series
+        # itself.
         self.before: _Series | None = None
 
     def buffer(self, key: Any) -> _Buffer:
-        """Return where the coefficients of a node stand."""
+        """Return the buffer of a node."""
         storage = self.buffers.get(key)
         if storage is None:
             storage = self.buffers[key] = _Buffer(self.symbols, self.orders, self.shape[0])
@@ -155,11 +155,11 @@ class _Series:
 
     def steps(self, x: Node, y: _Buffer, k: int) -> Forms:
         """Return (1/k) Σ j xⱼ yₖ₋ⱼ: Taylor coefficient k of a function with the derivative y x'."""
-        weights = np.arange(1, k + 1) / k  # within two roundings, which `scaled` allows for
+        weights = np.arange(1, k + 1) / k  # two roundings, covered by `scaled`
         return dot(self.buffer(x)[1 : k + 1].scaled(weights[:, None]), y[k - 1 :: -1][:k])
 
     def choice(self, node: Node, first: Node, second: Node, k: int) -> Any:
-        """Return the coefficient of one of two, where it is decided for the whole step."""
+        """Return the coefficient of one of two, if decided for the whole step."""
         decided = (self.before or self).decisions[node]
         a, b = self.coefficient(first, k), self.coefficient(second, k)
         if decided.all():
@@ -171,7 +171,7 @@ class _Series:
 
     @property
     def decisions(self) -> _Decisions:
-        """Which of two is chosen over the whole step."""
+        """The choices over the whole step."""
         return _Decisions(self)
 
 
@@ -181,7 +181,7 @@ def _require_positive(x: Forms) -> None:
 
 
 class _Decisions:
-    """Of each choice between two nodes: whether it is the first; CornerError where that is open."""
+    """For each choice: whether it is the first of two nodes; CornerError if undecided."""
 
     def __init__(self, series: _Series) -> None:
         self.series = series
@@ -277,20 +277,20 @@ _RULES: dict[str, Rule] = {
     "maximum": _choice_rule,
     "where": _choice_rule,
 }
-"""How a coefficient of order k follows from those below."""
+"""The recurrence of coefficient k, by operation."""
 
 
 # ── a step ───────────────────────────────────────────────────────────────────────────
 
 
 class Step(NamedTuple):
-    """The result of a step."""
+    """The result of one step."""
 
     end: Forms  # the states afterwards, shape (states, batch)
     between: Intervals  # the states at all times of the step
-    # How far they are from the straight line between the ends; None where that is not known
+    # Their largest distance from the chord between the ends; None if unknown
     bend: Intervals | None
-    # How far the last term of the series may be off, shape (states, batch)
+    # Radius of the remainder of the series, shape (states, batch)
     remainder: NDArray[np.float64]
 
 
@@ -303,7 +303,7 @@ def _slope_of(node: Apply) -> Node:
 
 
 def _steady(nodes: Sequence[Node], moving: Collection[str]) -> set[Node]:
-    """Return which nodes do not change during a step; of a graph in order."""
+    """Return the constant nodes during a step, of a graph in order."""
     steady: set[Node] = set()
     for node in nodes:
         if isinstance(node, Symbol):
@@ -330,7 +330,7 @@ class Flow:
     Raises
     ------
     UnreadableError
-        If they have an operation that forms have not.
+        If they have an operation without a reading over forms.
     """
 
     rates: Sequence[Node]
@@ -341,7 +341,7 @@ class Flow:
         moving = {*self.states, "t"}
         self.slopes: dict[Node, Node] = {}
         before = -1
-        while before != (before := len(self.slopes)):  # slopes are made of functions, too
+        while before != (before := len(self.slopes)):  # slopes contain functions, too
             nodes = list(postorder(*self.rates, *self.slopes.values()))
             self.steady = _steady(nodes, moving)
             for node in nodes:
@@ -357,8 +357,8 @@ class Flow:
     ) -> Step:
         """Take one step of the states, shape (states, batch), from a time, s.
 
-        `constants` do not change, shape (batch,); `order` is the highest power of h but one.
-        EnclosureError: no box is found that holds the solutions, the step is too long.
+        `constants` have the shape (batch,); `order` is the highest power of h but one.
+        EnclosureError: no a-priori enclosure was found, the step is too long.
         """
         inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
         box = self._box(start.bounds, inputs, time, length)
@@ -370,7 +370,7 @@ class Flow:
     def step_of_first_order(
         self, start: Forms, constants: Mapping[str, Forms], time: float, length: float
     ) -> Step:
-        """Take one step without slopes, as where there is a corner."""
+        """Take one step without slopes, as at a corner."""
         inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
         box = self._box(start.bounds, inputs, time, length)
         return self._mean(start, constants, inputs, box, time, length)
@@ -389,8 +389,8 @@ class Flow:
     ) -> Intervals:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
         span = Intervals.between(np.zeros(start.shape), np.full(start.shape, length))
-        # A guess is inflated until its image lies strictly inside it: then solutions stay in the
-        # image, and the image of that holds them as well and is tighter.
+        # A guess is inflated until its image lies strictly inside: then solutions stay in the
+        # image, and in the image of that, which is tighter.
         box, grown = start, 1.05
         for _ in range(14):
             image = start + self.rates_over(Forms.of(box), inputs, times).bounds * span
@@ -430,8 +430,8 @@ class Flow:
             lower = stacked([series.buffer(_state(i))[k] for i in range(len(self.states))])
             total = total.scaled(length) + lower
         end = total + Forms.of(tail)
-        # On the way: the straight line between the ends, less ½ s (h - s) x''. The coefficient of
-        # order 2 is ½ x'' already, and s (h - s) is at most ¼ h².
+        # During the step: the chord minus ½ s (h - s) x''. The coefficient of order 2 is ½ x'', and
+        # s (h - s) is at most ¼ h².
         second = stacked([over.buffer(_state(i))[2] for i in range(len(self.states))]).bounds
         room = Intervals.between(0.0, np.nextafter(0.25 * length * length, np.inf))
         bend = -(second * room)
@@ -445,7 +445,7 @@ class Flow:
         orders: int,
         before: _Series | None,
     ) -> _Series:
-        """Return the coefficients of the solutions up to an order; `before`: over the box."""
+        """Return the coefficients of the solutions up to an order; `before`: those over the box."""
         batch = start.shape[1]
         count = max(len(start.parts), *(len(forms.parts) for forms in constants.values()), 0)
         series = _Series(self, count, orders + 1, batch)
@@ -464,11 +464,11 @@ class Flow:
             series.advance(k)
             for i, root in enumerate(self.rates):
                 rate = as_forms(series.coefficient(root, k), (batch,))
-                # 1/(k+1) is rounded once more; `scaled` allows for two roundings.
+                # 1/(k+1) is rounded once more; `scaled` covers two roundings.
                 series.buffer(_state(i)).put(k + 1, rate.scaled(1.0 / (k + 1)))
         return series
 
-    # ── where there is a corner ──────────────────────────────────────────────────────
+    # ── at a corner ──────────────────────────────────────────────────────────────────
 
     def _mean(
         self,
@@ -482,7 +482,7 @@ class Flow:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
         rates = self.rates_over(Forms.of(box), inputs, times).bounds
         span = Intervals.between(np.zeros(box.shape), np.full(box.shape, length))
-        # x(h) = x₀ + ∫ f, and a mean of f over the step lies in any convex set that holds f.
+        # x(h) = x₀ + ∫ f, and the mean of f over the step lies in any convex set that contains f.
         on_the_way = start + Forms.of(rates * span)
         mean = self.rates_over(on_the_way, constants, times)
         end = start + mean.scaled(length)

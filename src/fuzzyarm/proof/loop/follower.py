@@ -1,9 +1,9 @@
-r"""Following boxes of starts period by period, as the loop goes: what of them is where, and when.
+r"""Reachable sets of boxes of starts, period by period.
 
-All starts of a box, all parameters of their intervals and all errors of sensors are one zonotope
-(:mod:`fuzzyarm.proof.loop.zonotope`), which goes through the loop in its order: sensors,
-controller, limits, then the plant with its inputs held (:mod:`fuzzyarm.proof.loop.flow`). What the
-controller remembers is part of the zonotope.
+All starts of a box, all parameters in their intervals and all errors of sensors are one zonotope
+(:mod:`fuzzyarm.proof.loop.zonotope`), which passes the loop in its order: sensors, controller,
+limits, then the plant with its inputs held (:mod:`fuzzyarm.proof.loop.flow`). The controller's
+memory is part of the zonotope.
 """
 
 from __future__ import annotations
@@ -35,29 +35,29 @@ from fuzzyarm.symbolic.nodes import Constant, Node, replace, symbols
 from fuzzyarm.symbolic.operations import Interval
 
 ORDER, LEAST_ORDER = 6, 2
-"""Of the Taylor polynomials in time, at most and at least."""
+"""Highest and lowest order of the Taylor polynomials in time."""
 
 MOST_SYMBOLS = 40
-"""Symbols for each state, beside those of the first box and of the parameters."""
+"""Symbols per state, besides those of the first box and of the parameters."""
 
 MOST_PARTS = 16
-"""Steps of one control period."""
+"""Most steps of one control period."""
 
 LARGE, SMALL = 1e-3, 1e-5
-"""Shares of the radius that the last term of a series may be, and below which less is done."""
+"""Largest remainder of a series relative to the radius, and the size at which effort is reduced."""
 
 FLOOR = 1e-5
-"""Share of the size that a state has had so far which counts as a radius, where it has less."""
+"""Least radius for that, relative to the largest magnitude of a state so far."""
 
 SAME_TIME = 1e-9
-"""Share of a control period within which two times are the same: multiples of it are rounded."""
+"""Tolerance of equal times, in control periods: multiples of a period are rounded."""
 
 CORNER_PARTS = 8
-"""The same where a corner lies within the period, and a step is of first order."""
+"""The same for a period with a corner, and steps of first order."""
 
 
 class Demand(NamedTuple):
-    """A demand on an output (or a drive): within bounds from one time to another, s."""
+    """Bounds of an output (or a drive) from one time to another, s."""
 
     port: str
     low: float
@@ -67,12 +67,12 @@ class Demand(NamedTuple):
 
 
 Goal = Callable[[int, Forms, Mapping[str, Number]], NDArray[np.int64]]
-"""Tells, of how many periods are over, the states and the memory, which boxes have arrived (1), are
-on their way (0) or come no nearer (-1), so that it is better to halve them."""
+"""From periods so far, states and memory: boxes that have arrived (1), are on their way (0), or are
+stalled (-1) and better halved."""
 
 
 class Box(NamedTuple):
-    """A part of the first box: its dimensions of a width, and how often each was halved."""
+    """A part of the first box: its wide dimensions, and the halvings of each."""
 
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -96,34 +96,33 @@ class Box(NamedTuple):
 
 
 class Nearness(NamedTuple):
-    """How near to the goal boxes are."""
+    """Distances of boxes from the goal."""
 
-    # An upper bound of V, proved: at most 1 is at the goal; NaN where that cannot be; shape
+    # A proved upper bound of V: at most 1 is at the goal; NaN if arrival is impossible; shape
     # (boxes,)
     value: Vector
-    # What each dimension of the box makes of the width, in units of the goal; only a hint; shape
+    # Contribution of each dimension of the box to the width, in units of the goal; a hint; shape
     # (dimensions, boxes)
     starts: Vector
-    rest: Vector  # what everything else makes of it; shape (boxes,)
+    rest: Vector  # contribution of everything else; shape (boxes,)
 
 
 class FollowedBoxes(NamedTuple):
-    """Results of boxes that were followed side by side; times in control periods."""
+    """Results of boxes followed side by side; times in control periods."""
 
     begins: Vector  # begins, ends: of the steps; shape (steps,)
     ends: Vector
-    between: Intervals  # the ports at all times of each step; shape (steps, ports, boxes)
+    between: Intervals  # ranges of the ports during each step; shape (steps, ports, boxes)
     # The ports at the beginning and at the end of each step; shape (steps + 1, ports, boxes)
     at: Intervals
-    # How much of the width is due to each dimension of the first box, at most; shape (dimensions,
+    # Largest contribution of each dimension of the first box to the width; shape (dimensions,
     # boxes)
     weight: Vector
-    # Of which boxes a demand is not proved, or which have not arrived where there is a goal; shape
-    # (boxes,)
+    # Boxes with an unproved demand, or not arrived at a goal; shape (boxes,)
     undone: NDArray[np.bool_]
 
     def part(self, which: NDArray[np.bool_]) -> FollowedBoxes:
-        """Return the outcomes of some of the boxes."""
+        """Return the results of selected boxes."""
         return self._replace(
             between=self.between[:, :, which],
             at=self.at[:, :, which],
@@ -134,7 +133,7 @@ class FollowedBoxes(NamedTuple):
     def by_period(self, periods: int, most: int) -> tuple[Vector, Vector, Vector, Vector]:
         """Return the hull of all boxes: low and high in each period, low and high at its ends.
 
-        It has so many `periods`, of which `most` are returned.
+        `periods`: their number, of which the first `most` are returned.
         """
         period_of_step = np.minimum(self.begins.astype(int), periods - 1)
         first = np.searchsorted(period_of_step, np.arange(periods))
@@ -150,7 +149,7 @@ class FollowedBoxes(NamedTuple):
 
 
 class Follower:
-    """Follows boxes of one problem.
+    """Reachable sets of the boxes of one problem.
 
     Parameters
     ----------
@@ -159,27 +158,27 @@ class Follower:
     duration : float
         s; rounded up to whole control periods.
     demands : sequence of Demand, optional
-        The demands.
+        Bounds to prove.
     stop : Stop, optional
-        When to give up.
+        The time budget.
     goal : callable, optional
-        Where boxes are to arrive. Demands hold for a box until then; boxes are followed until
-        all have arrived.
+        The destination of boxes. Demands apply to a box until arrival; boxes are followed until all
+        have arrived.
 
     Attributes
     ----------
     periods : int
-        How many control periods.
+        Number of control periods.
     first : Box
         All starts and parameters.
     names : list of str
-        Of its dimensions.
+        Names of its dimensions.
     labels : list of str
-        Of the ports: outputs, then inputs.
+        Names of the ports: outputs, then inputs.
     reached : int
-        The control period that was followed last.
+        The last control period followed.
     last_weight : ndarray, shape (dimensions, boxes)
-        The weight of a :class:`FollowedBoxes`, of boxes that could not be followed to the end, too.
+        The weight as in :class:`FollowedBoxes`, including boxes not followed to the end.
     """
 
     def __init__(
@@ -216,7 +215,7 @@ class Follower:
         self.inputs = equations.inputs
         starts = [problem.start[name] for name in problem.states]
         self.start = starts
-        # The dimensions of the first box: states and parameters that have a width.
+        # The dimensions of the first box: states and parameters with a width.
         self.wide = [i for i, start in enumerate(starts) if start.low < start.high]
         intervals = [starts[i] for i in self.wide] + [value for _, value in moving.values()]
         self.names = [problem.states[i] for i in self.wide] + [name for name, _ in moving.values()]
@@ -228,7 +227,7 @@ class Follower:
         interface = problem.site.interface
         self.ports = [*interface.outputs, *interface.inputs]
         self.labels = [interface.label(port) for port in interface.outputs]
-        for label in map(interface.label, interface.inputs):  # one may have an output's name
+        for label in map(interface.label, interface.inputs):  # an input may have an output's name
             self.labels.append(f"driven {label}" if label in self.labels else label)
         self.labels += [error_label(interface.label(port)) for port in problem.errors]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
@@ -250,11 +249,11 @@ class Follower:
     # --- one batch ---
 
     def follow(self, boxes: Sequence[Box], *, whole: bool = True) -> FollowedBoxes:
-        """Follow boxes side by side; EnclosureError where one of them cannot be.
+        """Follow boxes side by side; EnclosureError if one of them has no enclosure.
 
-        Without `whole`, it ends where no box is left that all demands hold of.
+        Without `whole`, it ends as soon as every box violates a demand.
         """
-        with np.errstate(all="ignore"):  # non-finite boxes are refused in each period
+        with np.errstate(all="ignore"):  # non-finite boxes are rejected in each period
             return self._follow(boxes, whole=whole)
 
     def _follow(self, boxes: Sequence[Box], *, whole: bool) -> FollowedBoxes:
@@ -323,7 +322,7 @@ class Follower:
         memory: Mapping[str, Number],
         period: int,
     ) -> tuple[Forms, dict[str, Forms], dict[str, Number]]:
-        """Return the states, the inputs of the plant over the same symbols, and the memory."""
+        """Return states, inputs of the plant over the same symbols, and memory."""
         algebra = cast(Zonotopes, control.algebra)
         algebra.count = len(states.parts)
         measurements = self._told(states, constants, period * self.period)
@@ -333,18 +332,18 @@ class Follower:
             name: algebra.forms(inputs[port])
             for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
         }
-        # The period may have made new symbols, as for the band around a plane.
+        # The period may add symbols, as for the band around a plane.
         return states.with_symbols(max(algebra.count, len(states.parts))), drives, after
 
     def _moved_references(self, period: int, batch: int) -> dict[Address, Number]:
-        """Return the references in a period that are not constant."""
+        """Return the moving references in a period."""
         return {
             address: Forms.between(np.full(batch, x.low), np.full(batch, x.high))
             for address, x in sampled_references(self.problem, period).items()
         }
 
     def _with_errors(self, values: Intervals, begin: int, end: int) -> Intervals:
-        """Return ports with errors below them, references from one sample to another."""
+        """Return ports with errors appended, with the references between two samples."""
         problem = self.problem
         for address in problem.errors:
             times = problem.time_of(begin), problem.time_of(end)
@@ -354,7 +353,7 @@ class Follower:
         return values
 
     def _driven(self, inputs: Mapping[str, Forms]) -> Intervals:
-        """Return where the inputs are: within the limits of their actuators."""
+        """Return the ranges of the inputs, within the limits of their actuators."""
         bounds = stacked([inputs[name] for name in self.inputs]).bounds
         ports = self.problem.site.interface.inputs.values()
         low = np.array([port.low for port in ports])[:, None]
@@ -362,10 +361,10 @@ class Follower:
         return Intervals(np.clip(bounds.low, low, high), np.clip(bounds.high, low, high))
 
     def _edge(self, time: float) -> tuple[float, float]:
-        """Return an end of a demand in control periods, and by how much a step is to pass it.
+        """Return an end of a demand in control periods, and the overlap that makes a step count.
 
-        At a sample the inputs jump, and a step that touches it does not count; at any other time
-        it does.
+        At a sample the inputs jump, and a step that only touches it does not count; at any other
+        time it does.
         """
         periods = decimal(time) / decimal(self.period)
         return float(periods), SAME_TIME if periods.denominator == 1 else -SAME_TIME
@@ -373,7 +372,7 @@ class Follower:
     def _undone(
         self, begin: float, end: float, between: Intervals, ends: Sequence[Intervals]
     ) -> NDArray[np.bool_]:
-        """Tell the boxes that leave a demand in a step; times in control periods."""
+        """Return the boxes that violate a demand in a step; times in control periods."""
         undone = np.zeros(between.shape[1], dtype=bool)
         for demand, port, (first, opens), (last, closes) in self.demands:
             ranges = []
@@ -389,12 +388,12 @@ class Follower:
         return undone
 
     def is_lost(self, at: Intervals) -> NDArray[np.bool_]:
-        """Whether all runs of a box have diverged by the plant's own criterion, by output."""
+        """Return whether all runs of a box have diverged by the plant's criterion, by output."""
         count, limits = len(self.limits), self.lost_beyond[:, None]
         return np.asarray((at.low[:count] > limits) | (at.high[:count] < -limits))
 
     def _demand_bounded(self, at: Intervals) -> None:
-        """Give up where a run may have diverged by the plant's own criterion."""
+        """Raise if a run may have diverged by the plant's own criterion."""
         count, limits = len(self.limits), self.limits[:, None]
         lost = self.is_lost(at).any(axis=1)
         if lost.any():
@@ -407,7 +406,7 @@ class Follower:
             raise EnclosureError(f"'{name}' may leave its bound")
 
     def _begun(self, boxes: Sequence[Box]) -> tuple[Forms, dict[str, Forms]]:
-        """Return states and parameters, each width a symbol."""
+        """Return states and parameters, with a symbol for each width."""
         batch, count = len(boxes), len(self.first.low)
         rows = []
         for i, interval in enumerate(self.start):
@@ -436,7 +435,7 @@ class Follower:
         return dict(zip(self.problem.site.interface.outputs, readings, strict=True))
 
     def outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
-        """Return where the outputs are."""
+        """Return the ranges of the outputs."""
         outputs = self._told(states, constants, time)
         return stacked([forms for forms in outputs.values() if isinstance(forms, Forms)]).bounds
 
@@ -444,14 +443,14 @@ class Follower:
         self, ends: tuple[Intervals, Intervals], step: Step, constants: Mapping[str, Forms],
         begin: float, end: float,
     ) -> Intervals:  # fmt: skip
-        """Return the outputs during a step."""
+        """Return the ranges of the outputs during a step."""
         box, batch = step.between, step.between.shape[1]
         values = {**constants, **{f"x{i}": Forms.of(box[i]) for i in range(box.shape[0])}}
         values["t"] = Forms.between(np.full(batch, begin), np.full(batch, end))
         over = stacked(read(self.outputs, values)).bounds
         if step.bend is None:
             return over
-        # Where an output is a sum of states it bends as they do.
+        # A linear output is as close to its chord as the states to theirs.
         line = ends[0].hull(ends[1])
         low, high = over.low.copy(), over.high.copy()
         for row, weights in enumerate(self.weights):
@@ -469,13 +468,13 @@ class Follower:
     def moved(
         self, states: Forms, constants: Mapping[str, Forms], time: float, parts: int
     ) -> tuple[Forms, list[tuple[Intervals, Intervals]], int]:
-        """Return the states a period on, the outputs in its steps, and how many to take next."""
+        """Return states one period later, outputs in its steps, and the next number of steps."""
         parameters = {name: constants[name] for name in self.parameters}
         while True:
             try:
                 state, steps, remainder = states, [], 0.0
                 before = self.outputs_at(states, parameters, time)
-                length = self.period / parts  # of a power of two: exact
+                length = self.period / parts  # a power of two: exact
                 for index in range(parts):
                     begin = time + index * length
                     step = self._step(state, constants, begin, length)
@@ -491,8 +490,8 @@ class Follower:
                     if remainder > LARGE and parts < self._most(step):
                         break
                     state = _with_own_symbols(step.end)
-                # Where the last term is too large the order goes up first, then the steps get
-                # shorter; where it is far below, both are taken back, one at a time.
+                # A too large remainder raises the order first, then shortens the steps; a far
+                # smaller one takes both back, one at a time.
                 if remainder > LARGE and self.order < ORDER:
                     self.order = ORDER
                     continue
@@ -513,14 +512,14 @@ class Follower:
     def _step(
         self, state: Forms, constants: Mapping[str, Forms], begin: float, length: float
     ) -> Step:
-        """Return one step of the flow; a period may be many, so that each looks at the time."""
+        """Return one step of the flow; a period may have many, so that each checks the time."""
         if self.stop.now:
             raise EnclosureError("time is over")
         return self.flow.step(state, constants, begin, length, self.order)
 
     @staticmethod
     def _most(step: Step) -> int:
-        """Return into how many steps a period is cut for the sake of the remainder."""
+        """Return the number of steps of a period for a small remainder."""
         return MOST_PARTS if step.bend is not None else CORNER_PARTS
 
     @staticmethod
@@ -542,7 +541,7 @@ class Follower:
             algebra.forms(memory[name]) for name in names
         ])  # fmt: skip
         count = len(joint.parts)
-        # Rests become symbols, so that what they do to several states in the next period stays
+        # Remainders become symbols, so that their effects on several states in the next period stay
         # together.
         if joint.rest.any():
             joint = joint.with_symbols(count + joint.shape[0], range(count, count + joint.shape[0]))
@@ -556,7 +555,7 @@ class Follower:
 
 
 def _with_own_symbols(forms: Forms) -> Forms:
-    """Return forms whose rests are symbols, one for each along the first axis."""
+    """Return forms with remainders as symbols, one for each along the first axis."""
     if not forms.rest.any():
         return forms
     count, rows = len(forms.parts), forms.shape[0]
@@ -564,7 +563,7 @@ def _with_own_symbols(forms: Forms) -> Forms:
 
 
 def _affine_weights(root: Node, states: Sequence[str]) -> list[float] | None:
-    """Return how an expression grows with the states; None where that is not constant."""
+    """Return the slopes of an expression by the states; None unless constant."""
     slopes = [specialise(node, {}) for node in gradient(root, tuple(states))]
     if may_jump(root):
         return None

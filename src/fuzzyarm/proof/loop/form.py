@@ -1,13 +1,13 @@
-"""A closed loop around its rest: a linear part, uncertain gains, and where both are the loop.
+"""A closed loop around its rest: a linear part, uncertain gains, and bounds of their validity.
 
     z' = A z + B w (each period, or as a rate),   |wₖ| ≤ |Cₖ z + Dₖ w|,   low ≤ g z + h w ≤ high
 
-z is how far states and memory are from rest, w are the answers of the blocks. All matrices are
-rational; what a matrix exponential leaves unknown is a radius beside A and B. That this is the
-loop, within the bounds, is the basis of a certificate; the search reads the same numbers as
-floats and is not trusted.
+z is the deviation of states and memory from rest, w are the answers of the blocks. All matrices are
+rational; the error of a matrix exponential is a radius beside A and B. A certificate rests on the
+equality of form and loop within the bounds; the search uses the same numbers as floats and is not
+trusted.
 
-It is made in :mod:`fuzzyarm.proof.loop.form_maker`.
+Forms are built in :mod:`fuzzyarm.proof.loop.form_maker`.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ Matrix = tuple[tuple[Fraction, ...], ...]
 
 @dataclass(frozen=True)
 class Assumptions:
-    """The assumptions of a form; the smaller they are, the nearer to linear it is."""
+    """The assumptions of a form; the smaller they are, the closer it is to linear."""
 
-    share: Fraction = ONE  # of the universes of rule bases: how far their inputs may go
-    grip: Fraction = ONE  # what limits leave of a signal's deviation; 1: they are not reached
-    # By state of the plant, how far it may be from rest; empty for a plant that is affine
+    share: Fraction = ONE  # range of rule bases' inputs, as a share of their universes
+    grip: Fraction = ONE  # least share of a deviation that passes a limit; 1: none is reached
+    # Largest deviation of each state of the plant; empty for an affine plant
     box: Mapping[str, Fraction] = field(default_factory=dict)
-    # Whether a rule base is a gain times the sum of its inputs that its linear law has, or a sum of
-    # its own slopes along each input
+    # Whether a rule base is one gain along the weighted input sum of its linear law, or has a slope
+    # along each input
     along: bool = True
-    # Of the inputs of rule bases that move, in the order of the program: on which side of its rest
-    # each is, 0 for both; empty: all are on both
+    # The side of its rest for each moving input of rule bases, in the order of the program; 0:
+    # both; empty: both for all
     signs: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
@@ -54,35 +54,35 @@ class Form:
 
     # Of z: states of the plant, then memory of controller, sensors and actuators
     names: tuple[str, ...]
-    rest: Mapping[str, Fraction]  # of each of them
+    rest: Mapping[str, Fraction]  # of each
     a: Matrix  # a, b: of the next z, or of its rate; shapes (n, n) and (n, m)
     b: Matrix
-    radius: Matrix  # how far the true ``[a b]`` may be from these numbers; shape (n, n + m)
-    blocks: Matrix  # ``[Cₖ Dₖ]`` of each block; Dₖ reads the answers of blocks before it only
-    words: tuple[str, ...]  # what each block is
-    bounds: tuple[SignalBound, ...]  # where the form is the loop
+    radius: Matrix  # error of ``[a b]``; shape (n, n + m)
+    blocks: Matrix  # ``[Cₖ Dₖ]`` of each block; Dₖ uses answers of earlier blocks only
+    words: tuple[str, ...]  # each block in words
+    bounds: tuple[SignalBound, ...]  # conditions of validity
     outputs: Mapping[Address, Affine]  # outputs and inputs of the plant, by axis and port
     seeds: Mapping[str, Affine]  # initial memory as a function of the plant's states
     period: float  # s; 0 for a loop in continuous time
-    evidence: Evidence | None = None  # what a certificate says of it
-    # ``[g h]`` of the inputs of rule bases that move, in the order of the program
+    evidence: Evidence | None = None  # its description in a certificate
+    # ``[g h]`` of the moving inputs of rule bases, in the order of the program
     inputs: Matrix = ()
-    edges: tuple[bool, ...] = ()  # whether the rules may have an edge where each of them rests
-    # On which side of its rest each of them is, see :class:`Assumptions`
+    edges: tuple[bool, ...] = ()  # whether the rules may have an edge at its rest
+    # The side of its rest for each, see :class:`Assumptions`
     signs: tuple[int, ...] = ()
 
     @property
     def size(self) -> int:
-        """How many states."""
+        """Number of states."""
         return len(self.names)
 
     def is_same_loop(self, other: Form) -> bool:
-        """Tell whether another form differs in what it grants at most."""
+        """Return whether another form differs in its bounds at most."""
         return replace(self, evidence=None) == replace(other, evidence=None)
 
     @cached_property
     def system(self) -> System:
-        """The same for the checker."""
+        """The system for the checker."""
         move = [
             [around(exact(x), exact(far)) if far else exact(x)
              for x, far in zip([*a, *b], radius, strict=True)]
@@ -111,7 +111,7 @@ class Form:
         return row_of(signal, self.names, len(self.blocks))
 
     def rows_within(self) -> list[tuple[tuple[Fraction, ...], Fraction, str]]:
-        """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold.
+        """Return rows g over z alone: |g z| ≤ limit keeps all bounds.
 
         An answer is linear in its gain δ, so the largest value is at δ = -1 or 1 of each block.
         """
@@ -121,7 +121,7 @@ class Form:
         return list(dict.fromkeys(rows))
 
     def rows_of(self, signal: Affine) -> list[tuple[Fraction, ...]]:
-        """Return rows g over z alone: a signal is as far from its constant as the largest |g z|."""
+        """Return rows g over z alone: the largest |g z| is the largest deviation of a signal."""
         return _without_answers(self.row(signal), self.size, self.blocks)
 
 

@@ -1,4 +1,4 @@
-"""How the form of a loop is made: where it rests, then one period around that in affine forms."""
+"""The construction of a loop's form: its rest, then one period around it in affine forms."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ from fuzzyarm.symbolic.nodes import Symbol
 from fuzzyarm.symbolic.operations import Interval
 
 DOUBT = 1e-9
-"""How far the true rest is taken to be from one that was found in floats, at most."""
+"""Largest assumed error of a rest found in floats."""
 
 MOST_OPEN = 6
-"""Parameters of which all corners are looked at."""
+"""Most parameters with all corners evaluated."""
 
 WIDENINGS, WIDER = 16, 1.02
-"""How often the interval of a rest is widened, and to how much more than was found."""
+"""Widenings of the interval of a rest, and the factor of each."""
 
 
 class FormMaker:
@@ -58,25 +58,25 @@ class FormMaker:
     problem : LoopProblem
         The loop.
     stop : Stop, optional
-        When to give up.
+        The time budget.
 
     Attributes
     ----------
     rest : dict of str to Fraction
-        Where states and memory rest.
+        The rest of states and memory.
     doubt : dict of str to Fraction
-        How far a true rest is from there at most, whatever the plant's parameters are.
+        Largest distance of a true rest from there, over all parameters of the plant.
     begin : dict of str to float
         The memory before the first period; NaN if it starts as its first reading.
     memory : list of str
-        The memories that move.
+        The moving memory.
     is_exact : bool
-        Whether that is exact; else the rest is not rational, or depends on parameters.
+        Whether the rest is exact; else it is irrational, or depends on parameters.
 
     Raises
     ------
     LoopProofError
-        If the loop is not covered, or does not rest anywhere that is known.
+        If the loop is not covered, or no rest is found.
     """
 
     def __init__(self, problem: LoopProblem, stop: Stop | None = None) -> None:
@@ -85,7 +85,7 @@ class FormMaker:
         self.equations = problem.equations
         self._conclusions = Conclusions(stop or Stop())
         self.begin = dict(LoopPeriod(problem, self._algebra(Assumptions())).memory)
-        # The excess over a limit is 0 as long as no limit holds: not a state of the form.
+        # The excess over a limit is 0 while no limit is active: not a state of the form.
         self.fixed = [name for name in self.begin if " excess " in name]
         self.memory = [name for name in self.begin if name not in self.fixed]
         self.is_exact = True
@@ -101,7 +101,7 @@ class FormMaker:
         table = of.resting_table if is_search else of.tabled(choice)
         return AffineAlgebra(rules, table, grip=choice.grip, is_search=is_search)
 
-    # --- the loop as it is, over affine forms ---
+    # --- the loop over affine forms ---
 
     def _one_period(
         self, algebra: AffineAlgebra, states: Mapping[str, Affine]
@@ -137,7 +137,7 @@ class FormMaker:
     # --- rest ---
 
     def _rest(self) -> dict[str, Fraction]:
-        """Return where the loop rests: states and memory, exactly."""
+        """Return the exact rest of states and memory."""
         names = [*self.problem.states, *self.memory]
         if not SampledPlant(self.problem, {}, {}).is_affine:
             return self._rest_at_set_point(names) or self._rest_in_floats()
@@ -149,19 +149,19 @@ class FormMaker:
                 return rest
         except LoopProofError as error:
             why = error
-        # The inputs of the rules are not 0 at rest, as where they read a measured value.
+        # The inputs of the rules are not 0 at rest, as if they read a measured value.
         try:
             near = self._rest_in_floats()
             return self._rest_on_pieces(names, near) or near
         except LoopProofError:
             if rest is None:
                 raise why from None
-            # What is in the way there is said when the form is made.
+            # The form itself will report any obstacle there.
             self.is_exact = self._conclusions.is_exact = self._conclusions.at_zero = True
             return rest
 
     def _rests_at(self, rest: Mapping[str, Fraction]) -> bool:
-        """Tell whether rates of the plant and changes of memory are exactly 0 at a point."""
+        """Return whether rates of the plant and changes of memory are exactly 0 at a point."""
         algebra = self._algebra(Assumptions(), is_search=True)
         states = {name: number(value) for name, value in rest.items()}
         inputs, after, _ = self._one_period(algebra, states)
@@ -172,7 +172,7 @@ class FormMaker:
     def _rest_on_pieces(
         self, names: Sequence[str], near: Mapping[str, Fraction]
     ) -> dict[str, Fraction] | None:
-        """Return the exact rest next to one in floats, if rules are linear there; else None."""
+        """Return the exact rest near one in floats, if rules are linear there; else None."""
         size = max(map(abs, near.values()), default=ZERO)
         rest = {name: ZERO if abs(x) <= size * Fraction(1e-12) else x for name, x in near.items()}
         with suppress(LoopProofError, UnprovableError):
@@ -188,10 +188,10 @@ class FormMaker:
         near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
         return {name: Fraction(value) for name, value in near.items()}
 
-    # --- a rest that is known by an interval ---
+    # --- a rest known by an interval ---
 
     def _moves_with_parameters(self) -> bool:
-        """Tell whether the plant does not rest at an exact point for all of its parameters."""
+        """Return whether the rest of the plant depends on its parameters."""
         problem = self.problem
         if not any(span.low < span.high for span in problem.parameters.values()):
             return False
@@ -202,7 +202,7 @@ class FormMaker:
         return any(any(exact_bounds(root, ranges)) for root in self.equations.rates)
 
     def _find_doubt(self) -> None:
-        """Fill in an interval that holds the rests of all parameters: middle and half."""
+        """Fill in an interval that contains the rests of all parameters: midpoint and radius."""
         of = self._conclusions
         self.is_exact = of.is_exact = of.at_zero = False
         rests = [self.rest, *map(self._new_rest, self._corners())]
@@ -214,7 +214,7 @@ class FormMaker:
             return
         names = self._program_names
         surfaces = RuleSurfaces()
-        # Krawczyk's operator takes gains to be free in their intervals, and finds a wider one.
+        # Krawczyk's operator lets gains vary in their intervals, and returns a wider one.
         for _ in range(WIDENINGS):
             box = {name: (x, self.doubt[name]) for name, x in self.rest.items()}
             found = rest_within(self.problem, Evidence(names, box, (), (), ONE, {}), surfaces)
@@ -244,13 +244,13 @@ class FormMaker:
         return {name: Fraction(value) for name, value in near.items()}
 
     def rest_with(self, values: Mapping[str, float]) -> Mapping[str, Fraction]:
-        """Return where the loop rests with some values of its parameters."""
+        """Return the rest for given values of parameters."""
         return self.rest if self.is_exact else self._new_rest(values)
 
     def _rest_of_affine(
         self, names: Sequence[str], near: Mapping[str, Fraction]
     ) -> dict[str, Fraction]:
-        """Return where the loop rests if rules are their linear law around a point."""
+        """Return the rest of the loop with the rules' linear law around a point."""
         algebra = self._algebra(Assumptions(), is_search=True)
         states = {name: variable(name, near[name]) for name in names}
         inputs, after, _ = self._one_period(algebra, states)
@@ -275,7 +275,7 @@ class FormMaker:
         return [algebra.expression(root, values) for root in self.equations.rates]
 
     def _rest_at_set_point(self, names: Sequence[str]) -> dict[str, Fraction] | None:
-        """Return the set point of a plant that is not affine, and 0, if it rests there."""
+        """Return the set point of a nonlinear plant, and 0, if it rests there."""
         problem, interface = self.problem, self.problem.site.interface
         rest = dict.fromkeys(names, ZERO)
         for address, root in zip(interface.outputs, self.equations.outputs, strict=True):
@@ -290,7 +290,7 @@ class FormMaker:
     # --- the form ---
 
     def form(self, choice: Assumptions, *, continuous: bool = False) -> Form:
-        """Return the loop as matrices; NotAffineError, UnprovableError: it is not covered."""
+        """Return the loop as matrices; NotAffineError, UnprovableError: not covered."""
         algebra = self._algebra(choice)
         if continuous and self.memory:
             raise NotAffineError(
@@ -337,9 +337,9 @@ class FormMaker:
         )
 
     def _require_bounded(self, algebra: AffineAlgebra, outputs: Mapping[Address, Affine]) -> None:
-        """Note that outputs stay within their bounds, beyond which a run counts as diverged.
+        """Record that outputs stay within their bounds, beyond which a run counts as diverged.
 
-        One that a plant leaves open is far away, and left to the checker.
+        A bound that a plant leaves open is far away, and left to the checker.
         """
         for address, port in self.problem.site.interface.outputs.items():
             if port.bound >= Port.bound:
@@ -361,7 +361,7 @@ class FormMaker:
         )
 
     def _no_equilibrium(self, why: str) -> NotAffineError:
-        """Return the error of a loop that cannot rest at its set points."""
+        """Return the error of a loop without equilibrium at its set points."""
         label, points = self.problem.site.interface.label, self.problem.set_point
         at = ", ".join(f"{label(port)} = {value:g}" for port, value in points.items())
         return NotAffineError(
@@ -375,7 +375,7 @@ class FormMaker:
         states: Mapping[str, Affine],
         inputs: Mapping[Address, Affine],
     ) -> None:
-        """Make sure that the plant rests."""
+        """Raise unless the plant rests."""
         at = {name: number(state.constant) for name, state in states.items()}
         forms = {name: number(form.constant) for name, form in inputs.items()}
         if any(rate.constant for rate in self._rates(algebra, at, forms)):
@@ -412,8 +412,8 @@ class FormMaker:
             return {}
         outputs = self._outputs(algebra, states)
         inputs, after = period.run(outputs, {}, first=True)
-        # What starts so has remembered what it saw: its first period leaves it. That it is as if
-        # it had remembered that before, too, is tried: both periods must be the same.
+        # The first period leaves such memory unchanged. Whether it may have had that value before,
+        # too, is tested: both periods must be the same.
         seeds = {name: after[name] for name in begun}
         before = {n: number(x) for n, x in period.memory.items() if not math.isnan(x)}
         again = period.run(outputs, {**before, **seeds})
@@ -423,13 +423,13 @@ class FormMaker:
 
 
 def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str]:
-    """Return the program's name of a memory: a guess, which the checker proves."""
+    """Return the program's names of memory: a guess, which the checker proves."""
     states = [
         name
         for name in ProgramWalk(problem).states
         if name.startswith("state:") and not name.endswith("_excess")
     ]
-    # Both list the sources in the order of the lines.
+    # Both list sources in the order of the lines.
     program = iter(states)
     names = {}
     for name in memory:
@@ -447,7 +447,7 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
 
 
 def solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
-    """Solve rows = 0 in rationals; None where that is not one point."""
+    """Solve rows = 0 in rationals; None unless there is exactly one solution."""
     check_time()
     size = len(names)
     weights = [exact(x) for row in rows for x in row_of(row, names, 0)]

@@ -1,15 +1,15 @@
-"""The search for a quadratic Lyapunov function of a loop's form: floats, and not trusted.
+"""The search for a quadratic Lyapunov function of a loop's form: in floats, not trusted.
 
 With V(z) = zᵀ P z and |wₖ| ≤ |vₖ|, vₖ = Cₖ z + Dₖ w, V falls along the loop where
 
     V(A z + B w) − V(z) + Σ τₖ (vₖ² − wₖ²) < 0   for all (z, w) other than 0, τₖ ≥ 0,
 
-which is one linear matrix inequality in P and τ (S-procedure: the circle criterion where there is
-one block, sampled). With Y = [[P, 0], [0, τ]] and G = [[A, B], [C, D]] it is Y - Gᵀ Y G > 0: G is a
+which is one linear matrix inequality in P and τ (S-procedure; for one block the circle criterion in
+discrete time). With Y = [[P, 0], [0, τ]] and G = [[A, B], [C, D]] it is Y - Gᵀ Y G > 0: G is a
 contraction in the norm of Y. So is Gᵀ in that of Y⁻¹, which makes it linear in Q = P⁻¹ and 1/τ.
-{V ≤ 1} is where the loop is proved: it lies within the bounds of the form where gᵀ Q g ≤ b² for
-each row |g z| ≤ b. Among all Q the one with the largest level set is looked for, which has the
-largest log det Q: a concave function.
+The proof holds on {V ≤ 1}, which lies within the bounds of the form if gᵀ Q g ≤ b² for each row
+|g z| ≤ b. The search seeks the Q of the largest level set, with the largest log det Q: a concave
+function.
 
 Sources: H. K. Khalil, *Nonlinear Systems*, 3rd edition, Prentice Hall 2002, section 7.1; S. Boyd,
 L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System and Control
@@ -36,7 +36,7 @@ from fuzzyarm.proof.stop import Stop
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate for the proof of a form, to be checked; all but the size as in a certificate."""
+    """A candidate for the proof of a form, to be checked; all but `size` as in a certificate."""
 
     # p, multipliers, cones, growth: see :class:`~fuzzyarm.proof.check.certificate.RegionProof`
     p: Matrix
@@ -55,10 +55,10 @@ def candidate(
     enlarge: bool = True,
     stop: Stop | None = None,
 ) -> Candidate | None:
-    """Return a Lyapunov function whose level set is large; None where none was found.
+    """Return a Lyapunov function with a large level set; None if none was found.
 
-    The region has to hold the points `include`, and to keep |g z| below limits on each row of
-    `within`; V has to fall by a share, `rate`, in each period. Without `enlarge` any level set will
+    The region has to contain the points `include`, and to keep |g z| below the limit of each row of
+    `within`; V has to fall by the share `rate` in each period. Without `enlarge` any level set will
     do.
     """
     stop = stop or Stop()
@@ -78,7 +78,7 @@ def candidate(
         return None
     if first is None:
         return None
-    back = np.linalg.inv(first)  # z = back ẑ, so that V of the linear loop is near |ẑ|²
+    back = np.linalg.inv(first)  # z = back ẑ, with V ≈ |ẑ|² for the linear loop
     a, b = first @ a @ back, first @ b
     b, c, units = in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
     points = np.array([first @ np.array([float(x) for x in z]) for z in include]).reshape(-1, n)
@@ -109,7 +109,7 @@ def candidate(
 def declining(
     loop: System, growth: float, stop: Stop
 ) -> tuple[Matrix, tuple[Fraction, ...]] | None:
-    """Return V, perhaps indefinite, and τ with V(z⁺) < growth² V(z); None: none was found."""
+    """Return V, possibly indefinite, and τ with V(z⁺) < growth² V(z); None if none was found."""
     from scipy.linalg import solve_discrete_lyapunov
 
     n, m = loop.size, len(loop.blocks)
@@ -143,7 +143,7 @@ def declining(
 
 
 def in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
-    """Return responses as large as what they answer, so that multipliers are of one size."""
+    """Return inputs and answers of blocks in equal units, so that multipliers have one size."""
     asked = np.maximum(np.linalg.norm(c[:, :n], axis=1), 1e-12)
     units = np.sqrt(asked / np.maximum(np.linalg.norm(b, axis=0), 1e-12 * asked))
     c = c / units[:, None]
@@ -157,11 +157,11 @@ def floats(matrix: Sequence[Sequence[Any]]) -> Vector:
 
 
 FAR = 10.0
-"""Factor beyond the bounds that the form allows of each state alone."""
+"""Factor on the form's bounds, for a bound of each state alone."""
 
 
 def box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
-    """Return rows that keep every state finite: some are seen by no bound, or a period later."""
+    """Return rows that bound every state: some are in no bound, or only one period later."""
     n = len(a)
     reach = np.zeros(n)
     for row in rows:
@@ -169,17 +169,17 @@ def box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
         for _ in range(n):
             reach = np.maximum(reach, np.abs(later))
             later = later @ a
-    # One that nothing reads, as the last value of a rate without a filter, has a wide bound.
+    # A state that nothing reads, such as the last value of an unfiltered rate, has a wide bound.
     wide = np.sqrt(UNSEEN * sum(float(row @ row) for row in rows) / n)
     return [np.eye(n)[i] * (reach[i] / FAR or wide) for i in range(n) if rows]
 
 
 UNSEEN = 1e-6
-"""Share of the mean weight that a state has which no bound and no other state sees."""
+"""Weight of an unobserved state, as a share of the mean weight."""
 
 
 def whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector | None:
-    """Return coordinates in which V of the loop without its blocks is about |ẑ|²."""
+    """Return coordinates with V ≈ |ẑ|² for the loop without its blocks."""
     eigenvalues = np.linalg.eigvals(a)
     stable = np.all(eigenvalues.real < 0) if continuous else np.all(np.abs(eigenvalues) < 1)
     if not stable:
@@ -187,7 +187,7 @@ def whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector 
     n = len(a)
     sides = np.array(rows) if rows else np.eye(n)
     p = _lyapunov(a, sides.T @ sides, continuous=continuous)
-    # As large as fits between the rows.
+    # Scaled to fit between the rows.
     inverse = np.linalg.inv(p)
     reach = max((float(row @ inverse @ row) for row in rows), default=1.0)
     try:
@@ -197,9 +197,9 @@ def whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector 
 
 
 def _lyapunov(a: Vector, weight: Vector, *, continuous: bool) -> Vector:
-    """Return P with AᵀPA − P = −W, or AᵀP + PA = −W: Σ (Aᵀ)ᵏ W Aᵏ, twice as many terms each time.
+    """Return P with AᵀPA − P = −W, or AᵀP + PA = −W: Σ (Aᵀ)ᵏ W Aᵏ by doubling.
 
-    In continuous time of Cayley's transform of A, which has the same P.
+    In continuous time by the Cayley transform of A, which has the same P.
     """
     if continuous:
         pace = float(np.linalg.norm(a, 2))
@@ -215,7 +215,7 @@ def _lyapunov(a: Vector, weight: Vector, *, continuous: bool) -> Vector:
 
 
 def symmetric_basis(n: int) -> Vector:
-    """Return the symmetric matrices with one entry of 1, or two, above each other."""
+    """Return the basis of symmetric matrices with one or two entries 1, stacked."""
     basis = []
     for i in range(n):
         for j in range(i, n):
@@ -242,7 +242,7 @@ def _falling(a: Vector, b: Vector, c: Vector, basis: Vector, rate: float) -> Ine
 def _falling_dual(
     a: Vector, b: Vector, c: Vector, basis: Vector, rate: float, *, continuous: bool
 ) -> Inequality:
-    """Return the same in Q and 1/τ, see the head of this module."""
+    """Return the dual inequality in Q and 1/τ, see the head of this module."""
     n, m = len(a), b.shape[1]
     move, stay = np.hstack([a, b]), np.eye(n + m)[:n]
     after = np.vstack([move, c])
@@ -263,18 +263,18 @@ def _gaps(more: Vector, less: Vector) -> list[Vector]:
 
 
 def _of_steps(parts: Sequence[Vector], step: Vector) -> Inequality:
-    """Return an inequality without a constant; small steps change V little: their scale goes."""
+    """Return an inequality without constant, scaled by the step: short steps change V little."""
     scaled = np.array(parts) / max(float(np.linalg.norm(step)), 1e-9)
     return Inequality(np.zeros((1, *scaled.shape[1:])), scaled[:, None])
 
 
 def _padded(parts: Vector, m: int) -> Vector:
-    """Return the parts of an inequality in which multipliers have none."""
+    """Return the parts of an inequality, padded with zeros for the multipliers."""
     return np.concatenate([parts, np.zeros((m, *parts.shape[1:]))])
 
 
 def _of_some_size(basis: Vector, m: int) -> list[Inequality]:
-    """Return 1 < Q < LARGEST, and ends of 1/τ: whether V can fall does not depend on its scale."""
+    """Return 1 < Q < LARGEST and bounds of 1/τ: the decrease of V does not depend on scale."""
     unit = np.eye(basis.shape[1])[None]
     parts = _padded(basis, m)[:, None]
     bounds = [Inequality(-unit, parts), Inequality(LARGEST * unit, -parts)]
@@ -292,7 +292,7 @@ def _inside(rows: Vector, basis: Vector, m: int) -> Inequality:
 
 
 def _holding(points: Vector, basis: Vector, m: int) -> Inequality:
-    """Return ``[[Q, z], [zᵀ, 1]] > 0`` for each point: V ≤ 1 holds it, with a little to spare."""
+    """Return ``[[Q, z], [zᵀ, 1]] > 0`` for each point: V ≤ 1 contains it, with a margin."""
     count, n = points.shape
     constant = np.zeros((count, n + 1, n + 1))
     constant[:, n, :n] = constant[:, :n, n] = points
@@ -303,11 +303,11 @@ def _holding(points: Vector, basis: Vector, m: int) -> Inequality:
 
 
 LARGEST = 1e4
-"""P and τ where V of the linear loop is about 1: without an end the search would run away."""
+"""Bound of P and τ, where V of the linear loop is about 1: it keeps the search bounded."""
 
 
 def multipliers_within(count: int, m: int) -> Inequality:
-    """Return 0 < τ < LARGEST of the unknowns after some."""
+    """Return 0 < τ < LARGEST for the unknowns after the first `count`."""
     parts = np.zeros((count + m, 2 * m, 1, 1))
     parts[count:, :m, 0, 0] = np.eye(m)
     parts[count:, m:, 0, 0] = -np.eye(m)
@@ -316,7 +316,7 @@ def multipliers_within(count: int, m: int) -> Inequality:
 
 
 def rationals(p: Vector) -> Matrix:
-    """Return a matrix as rationals, slightly enlarged to make up for rounding."""
+    """Return a matrix as rationals, slightly enlarged for its rounding."""
     p = 0.5 * (p + p.T) * (1.0 + 1e-9)
     scale = 1.0 / np.sqrt(np.diag(p))
     return tuple(

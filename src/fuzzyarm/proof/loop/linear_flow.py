@@ -1,13 +1,13 @@
-r"""Where the solutions of a linear differential equation go: one step, by its matrix exponential.
+r"""Validated integration of a linear differential equation: one step, by its matrix exponential.
 
 ``x' = A x + B u + f`` with u constant, A, B and f the same everywhere. A step of
-:class:`fuzzyarm.proof.loop.flow.Flow` develops the solutions into a series anew each time; here
+:class:`fuzzyarm.proof.loop.flow.Flow` expands the solutions into a series each time; here
 
     x(h) = Φ x₀ + Γ u + φ,   [Φ Γ φ] from the exponential of h [A B f; 0],
 
-is enclosed once. Between both ends a solution is within ⅛ h² |x''| of the straight line, with
-x'' = A x' over a box that no solution leaves: first |x − x₀| ≤ (e^ρ − 1)/ρ h |x'₀|, with ρ = h ‖A‖
-in the norm of maxima, then what Picard's operator makes of that.
+is enclosed once. Between both ends a solution is within ⅛ h² |x''| of the chord, with x'' = A x'
+over an a-priori enclosure: first |x − x₀| ≤ (e^ρ − 1)/ρ h |x'₀|, with ρ = h ‖A‖ in the maximum
+norm, then its images under Picard's operator.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from fuzzyarm.symbolic.evaluation import gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
 
 STIFF, MOST_STIFF = 1.0, 1024.0
-"""Of ρ: beyond the first, e^ρ is a poor bound and a step is taken in halves; beyond the second,
-in more than a thousand of them, it is given up."""
+"""Bounds of ρ: beyond the first, e^ρ is a poor bound and a step is halved; beyond the second, with
+more than a thousand parts, it is given up."""
 
 
 def linear_flow(rates: Sequence[Node], inputs: Sequence[str]) -> LinearFlow | None:
-    """Return the flow of rates over ``x0`` … and constant inputs; None if they are not linear."""
+    """Return the flow of rates over ``x0`` … and constant inputs; None unless linear."""
     states = [f"x{i}" for i in range(len(rates))]
     variables = (*states, *inputs)
-    if not all(map(is_total, rates)):  # slopes see neither a jump nor the end of a domain
+    if not all(map(is_total, rates)):  # slopes show neither a jump nor the end of a domain
         return None
     slopes = [list(gradient(root, variables)) for root in rates]
     if any(symbols(node) for row in slopes for node in row):
@@ -71,7 +71,7 @@ class LinearFlow:
         self._moves: dict[float, Intervals] = {}
 
     def _move(self, length: float) -> Intervals:
-        """Return ``[Φ Γ φ]`` of a length."""
+        """Return ``[Φ Γ φ]`` of a step length."""
         if length not in self._moves:
             count, size = self.rates.shape
             whole = np.zeros((2, size, size))
@@ -82,7 +82,7 @@ class LinearFlow:
     def step(
         self, start: Forms, constants: Mapping[str, Forms], time: float, length: float, order: int
     ) -> Step:
-        """Take one step, as :meth:`fuzzyarm.proof.loop.flow.Flow.step`; its order is not needed."""
+        """Take one step, as :meth:`fuzzyarm.proof.loop.flow.Flow.step`; `order` is unused."""
         batch = start.shape[1]
         columns = [*(start[i] for i in range(start.shape[0]))]
         columns += [constants[name] for name in self.inputs] + [Forms.at(np.ones(batch))]
@@ -119,7 +119,7 @@ class LinearFlow:
         return float(self.rates[:, : len(self.states)].size.sum(axis=1).max()) * ENLARGED * length
 
     def _box(self, bounds: Sequence[Intervals], length: float) -> Intervals:
-        """Return a box that no solution leaves during a step."""
+        """Return an a-priori enclosure of a step."""
         states = bounds[: len(self.states)]
         start = Intervals(np.stack([x.low for x in states]), np.stack([x.high for x in states]))
         rates = self._rates_over(start, bounds)
@@ -129,14 +129,14 @@ class LinearFlow:
         box = Intervals.between(start.low - far, start.high + far)
         box = Intervals(np.nextafter(box.low, -np.inf), np.nextafter(box.high, np.inf))
         span = Intervals.between(0.0, length)
-        # It holds the solutions already; each pass of Picard's operator makes it narrower.
+        # It contains the solutions already; each pass of Picard's operator narrows it.
         for _ in range(3):
             box = (start + self._rates_over(box, bounds) * span).meet(box)
         return box
 
 
 def _row(weights: Intervals, forms: Sequence[Forms]) -> Forms:
-    """Return a sum of forms whose weights are intervals."""
+    """Return a sum of forms with interval weights."""
     middle, radius = weights.middle, weights.radius
     terms = [form.scaled(w) for form, w in zip(forms, middle, strict=True) if w]
     total = reduce(add, terms) if terms else Forms.at(np.zeros(forms[0].shape))

@@ -1,11 +1,11 @@
-"""A loop linearised about its rest, as sampled: matrices in floats, opened at one drive.
+"""A sampled loop linearised about its rest: matrices in floats, opened at one drive.
 
 The walk over a control period (:class:`fuzzyarm.proof.loop.period.LoopPeriod`) runs over values
-with gradients, so every source and sensor has its slope without a line here. The plant's slopes at
-rest become those of a sample by the matrix exponential, exactly for held inputs.
+with gradients, so that every source and sensor is differentiated without code here. The plant's
+slopes at rest are sampled by the matrix exponential, exactly for held inputs.
 
-A rule base is the sum of its slopes at rest times its inputs. Where its surface has an edge there,
-a slope is the mean of both sides along its input; between the inputs the surface may be another.
+A rule base is the sum of its slopes at rest times its inputs. At an edge of its surface a slope is
+the mean of both sides along its input; in directions between the inputs the surface may differ.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.table import LookupTable
 
 STEP = 1e-4
-"""Half of the difference that a slope is taken over, as a share of a range."""
+"""Half step of a central difference, as a share of the range."""
 
 
 EXACTLY = 5.0
-"""Processor seconds that the exact slopes of an output may take, before differences do."""
+"""Processor seconds for the exact slopes of an output, before differences replace them."""
 
 
 @dataclass(frozen=True)
 class RuleSlope:
     """The slope of a rule base or table at rest."""
 
-    sheet: RuleBase | LookupTable  # which
+    sheet: RuleBase | LookupTable
     output: str  # output, input: of the output, along the input
     input: str
     at: Mapping[str, float]  # all inputs at rest
@@ -56,7 +56,7 @@ class RuleSlope:
 
 @dataclass(frozen=True)
 class OpenLoop:
-    """A loop that is opened at one drive: ``z⁺ = A z + b u``, return ``-c z``.
+    """A loop opened at one drive: ``z⁺ = A z + b u``, return ``-c z``.
 
     The loop transfer function is ``L(q) = c (q I - A)⁻¹ b``; the closed loop has ``u = -c z``.
     """
@@ -68,9 +68,9 @@ class OpenLoop:
     # times within a period; the first m of z are the states of the plant; shape (m, m + 1)
     ahead: Vector
     period: float  # s
-    # Part of a period after which the drive acts, s, where its dead time ends inside one
+    # Part of a period after which the drive acts, s, if its dead time ends inside one
     part: float = 0.0
-    before: int = -1  # of z, the drive of the period before, where there is such a part
+    before: int = -1  # index in z of the previous drive, if there is such a part
 
     def at(self, omega: Vector) -> Vector:
         """Return L at frequencies in rad/s."""
@@ -100,7 +100,7 @@ class LinearisedLoop:
     slopes : tuple of RuleSlope
         Of its rule bases and tables.
     held : tuple of str
-        Inputs of rule bases and tables that rest at an end of their range, or beyond it, in words.
+        Inputs of rule bases and tables that rest at or beyond an end of their range, in words.
     """
 
     problem: LoopProblem
@@ -124,7 +124,7 @@ class LinearisedLoop:
         return _plant_slopes(self.problem, self._inputs_at_rest, self.rest)
 
     def _over(self, time: float) -> Vector:
-        """Return states after a time by states and held inputs."""
+        """Return the matrix from states and held inputs to states after a time."""
         from scipy.linalg import expm
 
         count, size = self._rates.shape
@@ -134,17 +134,17 @@ class LinearisedLoop:
 
     @cached_property
     def _sampled(self) -> Vector:
-        """Next states by states and held inputs."""
+        """The matrix from states and held inputs to the next states."""
         return self._over(self.problem.period)
 
     @cached_property
     def _parts(self) -> list[float]:
-        """Of each input, the part of a period after which it changes, s."""
+        """For each input, the part of a period after which it changes, s."""
         ports = self.problem.site.interface.inputs.values()
         return [dead_time(port.dead_time, self.problem.period)[1] for port in ports]
 
     def _pending(self, index: int) -> int:
-        """Return where z has the drive of the period before, of one that changes inside."""
+        """Return the index in z of the previous drive, for one that changes inside a period."""
         label = f"{'.'.join(self.drives[index])} pending "
         return max(k for k, name in enumerate(self.names) if name.startswith(label))
 
@@ -153,14 +153,14 @@ class LinearisedLoop:
         return np.array([form.value for form in self._walk({})[0]])
 
     def _walk(self, changed: Mapping[int, float]) -> tuple[list[_Slope], list[_Slope]]:
-        """Return inputs of the plant and next memory, with some of the slopes changed."""
+        """Return inputs of the plant and next memory, with some slopes changed."""
         values = [slope.value for slope in self.slopes]
         for index, value in changed.items():
             values[index] = value
         return _walked(self.problem, self.rest, _Slopes(values))
 
     def opened(self, drive: Address, changed: Mapping[int, float] | None = None) -> OpenLoop:
-        """Return the loop opened at a drive, with other values of `slopes` by index."""
+        """Return the loop opened at a drive, with changed values of `slopes` by index."""
         inputs, after = self._walk(changed or {})
         count, size = len(self.problem.states), len(self.rest)
         index = self.drives.index(drive)
@@ -172,7 +172,7 @@ class LinearisedLoop:
             gain = inputs[k].by
             acts = self._sampled[:, count + k]
             if part:
-                # Up to its part of the period the drive of the period before acts, then this one.
+                # In the first part of the period the previous drive acts, then this one.
                 before = self._pending(k)
                 late = self._over(self.problem.period - part)[:, count + k]
                 a[:count, before] += acts - late
@@ -193,7 +193,7 @@ class LinearisedLoop:
 def linearised(problem: LoopProblem) -> LinearisedLoop:
     """Linearise a loop about its rest, with parameters in the middle of their intervals.
 
-    LoopProofError: no rest is found, or it is at a limit or a switch.
+    LoopProofError: no rest was found, or it is at a limit or a switch.
     """
     require_still(problem)
     period = LoopPeriod[float](problem, LoopAlgebra())
@@ -222,7 +222,7 @@ class _Slope:
 
 
 class _Slopes(LoopAlgebra[_Slope]):
-    """A control period in values with gradients; a rule base has given slopes, or those at rest."""
+    """The algebra of values with gradients; rule bases have given slopes, or those at rest."""
 
     def __init__(self, given: Sequence[float] | None) -> None:
         self.given = given
@@ -230,7 +230,7 @@ class _Slopes(LoopAlgebra[_Slope]):
         self.at_ends: list[str] = []
 
     def number(self, value: float) -> _Slope:
-        """Return a number, which nothing changes."""
+        """Return a constant."""
         return _Slope(float(value))
 
     def add(self, a: _Slope, b: _Slope) -> _Slope:
@@ -252,11 +252,11 @@ class _Slopes(LoopAlgebra[_Slope]):
         return _Slope(a.value / b.value, a.by / b.value - a.value / b.value**2 * b.by)
 
     def error(self, x: _Slope, size: float) -> _Slope:
-        """Return it: steps of a sensor have no slope."""
+        """Return it unchanged: steps of a sensor have no slope."""
         return x
 
     def limit(self, x: _Slope, low: float, high: float) -> _Slope:
-        """Return it where the limits are not reached."""
+        """Return it unchanged where the limits are not reached."""
         if x.by.any() and not low < x.value < high:
             raise LoopProofError(
                 f"at rest a signal is {x.value:.6g}, at a limit, {low:g} .. {high:g}"
@@ -264,7 +264,7 @@ class _Slopes(LoopAlgebra[_Slope]):
         return _Slope(min(max(x.value, low), high), x.by)
 
     def near(self, x: _Slope, before: _Slope, most: float) -> _Slope:
-        """Return it: at rest nothing changes fast."""
+        """Return it unchanged: at rest no rate limit is active."""
         return x
 
     def expression(self, root: Node, values: Mapping[str, _Slope]) -> _Slope:
@@ -303,7 +303,7 @@ class _Slopes(LoopAlgebra[_Slope]):
     def _note_held(
         self, inputs: Mapping[str, _Slope], ranges: Mapping[str, tuple[float, float]]
     ) -> None:
-        """Note the inputs that move, and are held at an end of their range."""
+        """Record the moving inputs held at an end of their range."""
         for name, (low, high) in ranges.items():
             value = inputs[name].value
             if inputs[name].by.any() and not low < value < high:
@@ -338,7 +338,7 @@ class _Slopes(LoopAlgebra[_Slope]):
 
 
 def _without_rounding(x: float, ends: tuple[float, float]) -> float:
-    """Return 0 for what is nothing but the rounding of a rest: there a surface may have an edge."""
+    """Return 0 for a rounding error of a rest at 0, where a surface may have an edge."""
     wide = ends[1] - ends[0]
     return 0.0 if math.isfinite(wide) and abs(x) <= 1e-12 * wide else x
 
@@ -346,7 +346,7 @@ def _without_rounding(x: float, ends: tuple[float, float]) -> float:
 def _exact_slopes(
     sheet: RuleBase | LookupTable, output: str, at: Mapping[str, float], names: Sequence[str]
 ) -> list[float] | None:
-    """Return slopes of a rule base that is made of straight pieces; None of another."""
+    """Return slopes of a piecewise linear rule base; None for another."""
     if not isinstance(sheet, RuleBase):
         return None
     try:
@@ -369,7 +369,7 @@ def _slope(
     name: str,
     ends: tuple[float, float],
 ) -> float:
-    """Return a slope by two central differences, without their error of second order."""
+    """Return a slope by two central differences, extrapolated to fourth order (Richardson)."""
     wide = STEP * (ends[1] - ends[0] if math.isfinite(ends[1] - ends[0]) else 1.0)
 
     def over(half: float) -> float:

@@ -1,4 +1,4 @@
-"""A small solver of linear matrix inequalities, in floats: it finds, and proves nothing.
+"""A small solver of linear matrix inequalities, in floats: it searches, and proves nothing.
 
     minimise c·y   so that   F₀ + Σ yᵢ Fᵢ > 0   for some symmetric matrices
 
@@ -26,14 +26,14 @@ from fuzzyarm.proof.stop import Stop
 
 @dataclass(frozen=True, eq=False)
 class Inequality:
-    """F₀ + Σ yᵢ Fᵢ > 0, of some matrices of one size at once."""
+    """F₀ + Σ yᵢ Fᵢ > 0, for r matrices of one size at once."""
 
     constant: Vector  # F₀; shape (r, n, n)
     parts: Vector  # Fᵢ; shape (k, r, n, n)
 
     @property
     def size(self) -> int:
-        """How many rows all matrices have together."""
+        """Total number of rows of all matrices."""
         return int(self.constant.shape[0] * self.constant.shape[1])
 
     def at(self, y: Vector) -> Vector:
@@ -43,28 +43,28 @@ class Inequality:
 
     @cached_property
     def places(self) -> NDArray[np.int64]:
-        """The unknowns that it has."""
+        """The indices of its unknowns."""
         return np.flatnonzero(self.parts.reshape(len(self.parts), -1).any(axis=1))
 
     @cached_property
     def counted(self) -> Vector:
-        """Their Fᵢ."""
+        """The Fᵢ of its unknowns."""
         return np.ascontiguousarray(self.parts[self.places])
 
     @property
     def widened(self) -> Inequality:
-        """F₀ + Σ yᵢ Fᵢ + s I > 0, of one more unknown s."""
+        """F₀ + Σ yᵢ Fᵢ + s I > 0, with one more unknown s."""
         unit = np.broadcast_to(np.eye(self.constant.shape[1]), (1, *self.constant.shape))
         return Inequality(self.constant, np.concatenate([self.parts, unit]))
 
     @cached_property
     def block(self) -> tuple[NDArray[np.int64], ...]:
-        """Their rows and columns in a Hessian."""
+        """Rows and columns of its unknowns in a Hessian."""
         return np.ix_(self.places, self.places)
 
 
 def merged(inequalities: Sequence[Inequality]) -> list[Inequality]:
-    """Return the same inequalities, those of numbers or of the same unknowns in one."""
+    """Return the same inequalities, with scalars, and those with equal unknowns, merged."""
     alike: dict[object, list[Inequality]] = {}
     for inequality in inequalities:
         size = inequality.constant.shape[1]
@@ -79,7 +79,7 @@ def merged(inequalities: Sequence[Inequality]) -> list[Inequality]:
 
 
 def feasible_point(inequalities: Sequence[Inequality], start: Vector, stop: Stop) -> Vector | None:
-    """Return a point at which all inequalities hold; None where none was found in time."""
+    """Return a point at which all inequalities hold; None if none was found in time."""
     lowest = min(
         float(np.linalg.eigvalsh(inequality.at(start)).min()) for inequality in inequalities
     )
@@ -98,7 +98,7 @@ def feasible_point(inequalities: Sequence[Inequality], start: Vector, stop: Stop
             y, decrement = _newton(widened, cost * weight, y)
             if y[-1] < 0.0 and _is_inside(inequalities, y[:-1]):
                 return y[:-1]
-            # Near the path, s is above the least s by no more than this.
+            # Near the central path, s exceeds the least s by at most this.
             if decrement < 0.5 and y[-1] > (size + decrement * math.sqrt(size)) / weight:
                 return None
             if decrement < 0.1 or not np.isfinite(y).all():
@@ -107,10 +107,10 @@ def feasible_point(inequalities: Sequence[Inequality], start: Vector, stop: Stop
 
 
 ACCURACY = 1e-3
-"""Of a minimum, as a share of the cost; with a volume that of each of its rows."""
+"""Tolerance of a minimum, relative to the cost; with a volume for each of its rows."""
 
 STEPS = 30
-"""Newton's steps at one weight of the cost; fewer, and the path leaves the middle."""
+"""Newton steps at one weight of the cost; with fewer the path leaves the centre."""
 
 
 def minimise(
@@ -121,14 +121,14 @@ def minimise(
     *,
     volume: Inequality | None = None,
 ) -> Vector:
-    """Return a point at which the cost is nearly least, or the best one in time, inside them.
+    """Return an interior point with nearly the least cost, or the best one in time.
 
     The logarithm of the determinant of `volume` is subtracted from c·y.
     """
     size = sum(inequality.size for inequality in inequalities)
     inequalities, y = merged(inequalities), start
     scale = abs(float(cost @ start)) or 1.0
-    weight = 0.1 * size / scale  # less would lead back to the middle
+    weight = 0.1 * size / scale  # less would lead back to the centre
     while weight * scale <= 1e12:
         for _ in range(STEPS):
             if stop.now:
@@ -161,12 +161,12 @@ def _newton(
         gradient[inequality.places] -= times * np.einsum("krii->k", parts)
         hessian[inequality.block] += times * (flat @ flat.T)
         scaled.append(flat)
-    # Multipliers differ by many orders of magnitude: each coordinate in units of its curvature.
+    # Multipliers differ by orders of magnitude: each coordinate is scaled by its curvature.
     unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
     scaled_hessian = hessian * unit * unit[:, None] + 1e-13 * np.eye(len(y))
     way = -unit * np.linalg.solve(scaled_hessian, unit * gradient)
     decrement = math.sqrt(max(0.0, -float(gradient @ way)))
-    # F(y + α way) has the determinant of F(y) times all 1 + α λ.
+    # det F(y + α way) = det F(y) Π (1 + α λ).
     values = [
         np.linalg.eigvalsh((way[x.places] @ flat).reshape(x.constant.shape)).ravel()
         for (x, _), flat in zip(weighted, scaled, strict=True)
@@ -182,11 +182,11 @@ def _newton(
 
 
 SHARES_OF_REACH = np.concatenate([1.0 - 0.5 ** np.arange(1.0, 8.0), 0.5 ** np.arange(2.0, 24.0)])
-"""Of the way to where some inequality fails, the steps that are tried."""
+"""Trial steps, as shares of the distance to the boundary."""
 
 
 def _step(slope: float, values: Vector, weights: Vector) -> float:
-    """Return α with the least α · slope − Σ ω log(1 + α λ), of some: the barrier along a line."""
+    """Return the trial α with the least α · slope − Σ ω log(1 + α λ): the barrier along a line."""
     reach = 1.0 / max(-float(values.min()), 1e-6)
     steps = np.append(reach * SHARES_OF_REACH, 1.0 if reach > 1.0 else 0.5 * reach)
     costs = steps * slope - np.log1p(steps[:, None] * values) @ weights
@@ -194,7 +194,7 @@ def _step(slope: float, values: Vector, weights: Vector) -> float:
 
 
 def _is_inside(inequalities: Sequence[Inequality], y: Vector) -> bool:
-    """Whether all inequalities hold at a point."""
+    """Return whether all inequalities hold at a point."""
     try:
         for inequality in inequalities:
             np.linalg.cholesky(inequality.at(y))

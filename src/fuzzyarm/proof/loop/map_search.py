@@ -1,11 +1,11 @@
-"""The map of starts: from where every run comes to rest, from where runs are lost, what is open.
+"""The map of starts: boxes from which every run converges, boxes of lost runs, open boxes.
 
-A window of starts is cut into boxes. A box is **proved** where a tube from all of it leads into the
-region that no run leaves and in which all come to rest (:class:`~fuzzyarm.proof.loop.timed.Haven`),
-**refuted** where all of its runs leave the bound of a port for certain, or have no value; at the
-smallest size, where the run from its middle does. Everything else is **open**, with the reason.
-The region is found once, rule bases are cut once; boxes are followed side by side
-(:mod:`fuzzyarm.proof.loop.pool`), large ones first.
+A window of starts is cut into boxes. A box is **proved** if the tube from all of it leads into the
+invariant region of attraction (:class:`~fuzzyarm.proof.loop.timed.Haven`), **refuted** if all of
+its runs certainly leave the bound of a port, or have no value; at the smallest size, if the run
+from its midpoint does. Everything else is **open**, with the reason. The region is found once, rule
+bases are cut once; boxes are followed side by side (:mod:`fuzzyarm.proof.loop.pool`), large ones
+first.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
 
 MAP_BUDGET = 300.0
-"""Seconds that each worker may take where nothing is said."""
+"""Default budget of each worker, seconds."""
 
 RUNS = 400
-"""Drawn starts, by which the share of those that come to rest is estimated."""
+"""Random starts, to estimate the share of runs that come to rest."""
 
 SHARE_OF_CHECK = 0.5
-"""Of the budget, what the checker may take to follow the boxes of a certificate, at least."""
+"""Least share of the budget for the checker to follow the boxes of a certificate."""
 
 ROUNDS = 6
-"""Times that workers tell each other of what they have proved; each has more time than before."""
+"""Rounds after which workers exchange proved boxes; each round is longer than the last."""
 
 
 Watch = Callable[[StartMap], None]
@@ -64,20 +64,20 @@ Watch = Callable[[StartMap], None]
 
 @dataclass(frozen=True)
 class MapSearch:
-    """How a map is searched.
+    """Settings of a map's search.
 
     Attributes
     ----------
     budget : float
-        Seconds of the processor that each worker may take.
+        Processor seconds of each worker.
     workers : int
         Processes at a time.
     journal : str, optional
-        A file that gets a line for each box; of the same question, it is gone on with.
+        A file with a line for each box; a journal of the same question is continued.
     runs : int
-        Drawn starts, whose runs are simulated.
+        Random starts to simulate.
     certify : bool
-        Whether only those boxes count as proved that the checker follows, for a certificate.
+        Whether a box must be followed by the checker to count as proved, for a certificate.
     executor : Executor, optional
         Any of :mod:`concurrent.futures`, instead of processes of this machine.
     """
@@ -110,29 +110,29 @@ def map_starts(
     text : ControllerText
         The controller.
     claim : LoopClaim
-        That it is stable, with set points and parameters; its starts are the window, by default
-        the ranges of the outputs that are states.
+        Stability, with set points and parameters; its starts are the window, by default the ranges
+        of the outputs that are states.
     search : MapSearch
-        How long, with how many workers.
+        Budget and workers.
     plant : Plant
-        What it runs.
+        The plant.
     connect, sensors
         As for :func:`fuzzyarm.proof.loop.prove_loop`.
     watch : callable, optional
-        Given the map as far as it is, now and then.
+        Called now and then with the map so far.
 
     Raises
     ------
     ClaimError
-        If the window names what is no state, or an output has no range to be the window.
+        If the window has an unknown state, or an output has no range for the window.
     LoopProofError
-        If nothing is proved about the loop, by name.
+        If the loop has a part that no proof covers, by name.
     """
     return _Map(GivenLoop(text, plant, connect, sensors), plant, claim, search, watch).made()
 
 
 class _Drawn(NamedTuple):
-    """A start that was drawn, and what became of its run."""
+    """A random start, and the result of its run."""
 
     start: tuple[float, ...]
     rests: bool
@@ -140,7 +140,7 @@ class _Drawn(NamedTuple):
 
 
 class _Map:
-    """A map in the making."""
+    """The search of one map."""
 
     def __init__(
         self, given: GivenLoop, plant: Plant, claim: LoopClaim, search: MapSearch,
@@ -175,7 +175,7 @@ class _Map:
         problem = self.given.problem(claim_of_stability(claim))
         ports = problem.site.interface.outputs.items()
         shown = {name: port for (_, name), port in ports if name in problem.states}
-        _ = problem.equations  # raises where nothing of the plant can be proved
+        _ = problem.equations  # raises if the plant's equations cannot be traced
         if not shown:
             hint = f"--over '{problem.states[0]} in -1 .. 1'" if problem.states else ""
             raise ClaimError("no output of the plant is a state of it", hint=hint)
@@ -191,7 +191,7 @@ class _Map:
         self.work += verdict.work
         self.region, self.certificate = verdict, verdict.certificate
         if verdict.certificate is None:
-            why = verdict.reason or "; ".join(verdict.evidence)  # of a refuted loop
+            why = verdict.reason or "; ".join(verdict.evidence)  # for a refuted loop
             return self._without_region(why)
         self.odd = is_odd(self.problem)
         case = MapCase(self.given, self.claim, verdict.certificate, self.odd)
@@ -219,13 +219,13 @@ class _Map:
         return self._map(reason)
 
     def _without_region(self, why: str) -> StartMap:
-        """Return the map of which all is open."""
+        """Return the map with everything open."""
         low, high = zip(*self.window.values(), strict=True)
         self.boxes = [MappedBox(low, high, OPEN, 0, why)]
         return self._map(f"no region around rest is proved: {why}")
 
     def _certify(self, region: Certificate) -> None:
-        """Leave as proved what the checker follows, and keep that as the certificate."""
+        """Keep as proved the boxes that the checker follows, with their certificate."""
         problem = self.given.problem(region.claim)
         begun = {name: (span.low, span.high) for name, span in problem.start.items()}
         found: list[tuple[tuple[Pair, ...], int]] = []
@@ -249,7 +249,7 @@ class _Map:
 
         self.boxes = [box for box in self.boxes if box.verdict != PROVED]
         self.chained = False
-        latest: list[int] = []  # of each box and those before it: into the region, by way of boxes
+        latest: list[int] = []  # by box, periods into the region through boxes
         for number, tube in enumerate(self.certificate.tubes):
             kind, before = tube.into
             on = latest[before - 1] if kind == "tubes" and before else 0
@@ -265,7 +265,7 @@ class _Map:
         verdict = self.region
         holding = self._proved_boxes_at([run.start for run in self.drawn])
         for run, numbers in zip(self.drawn, holding, strict=True):
-            if run.is_lost:  # this has never been seen, and proves a fault
+            if run.is_lost:  # never seen; would prove a fault of fuzzyarm
                 for number in numbers.tolist():
                     self.boxes[number] = self.boxes[number]._replace(
                         verdict=OPEN, reason="a simulated run contradicts its proof"
@@ -310,17 +310,18 @@ class _Map:
         self._heard([mapped_box(box, OPEN, 0, reason or late) for box, reason in rest.items()])
 
     def _shared(self, content: bytes, boxes: Sequence[Box]) -> dict[Box, str]:
-        """Let workers map boxes; each has the whole budget, less what was taken here."""
+        """Let workers map boxes; each has the whole budget, minus the time used here."""
         todo = dict.fromkeys(boxes, "")
         budget, begun, spent = self.stop.left, time.process_time(), [0.0] * self.workers
         self.work = self.stop.spent
         for rounds in range(ROUNDS, 0, -1):
-            # Side by side along the first state: what one proves is a goal of its own boxes.
+            # Neighbours along the first state: the boxes that a worker proves are goals for its
+            # others.
             row = sorted(todo)
             ends = [len(row) * k // self.workers for k in range(self.workers + 1)]
             parts = [{box: todo[box] for box in row[a:b]} for a, b in pairwise(ends)]
             known = [box for box in self.boxes if box.verdict == PROVED]
-            rest = budget - (time.process_time() - begun)  # the work between rounds counts, too
+            rest = budget - (time.process_time() - begun)  # includes the work between rounds
             left = [max(rest - seconds, 0.0) / 2 ** (rounds - 1) for seconds in spent]
             tasks = [
                 self.crew.submit(mapped_piece, content, part, known, seconds)
@@ -357,7 +358,7 @@ class _Map:
     # ── the journal ──────────────────────────────────────────────────────────────────
 
     def _open(self, path: str) -> None:
-        """Begin a journal, or go on with it."""
+        """Begin a journal, or continue it."""
         ends = [f"{name} {end}" for name in self.window for end in ("from", "to")]
         question = question_of(
             {"map": self._map().statement, "window": {n: list(s) for n, s in self.window.items()},
@@ -376,14 +377,14 @@ class _Map:
         else:
             journal.begin()
 
-    # ── drawn starts ─────────────────────────────────────────────────────────────────
+    # ── random starts ────────────────────────────────────────────────────────────────
 
     def _draw(self) -> list[_Drawn]:
-        """Simulate runs from drawn starts: the share that comes to rest, and a last doubt."""
+        """Simulate runs from random starts: the share that comes to rest, and a last test."""
         generator = np.random.default_rng(0)
         problem, rest = self.problem, self.region.rest
         values = {name: span.low for name, span in problem.parameters.items()}
-        # Its equations are traced once for all runs.
+        # The equations are traced once for all runs.
         problem = replace(problem, plant=for_runs(with_parameters(problem.plant, values)))
         duration = max(problem.plant.duration or 0.0, 1000 * problem.period)
         drawn = []
@@ -400,7 +401,7 @@ class _Map:
         return drawn
 
     def _proved_boxes_at(self, starts: Sequence[tuple[float, ...]]) -> list[NDArray[np.int64]]:
-        """Return the numbers of the proved boxes that hold each start."""
+        """Return the indices of the proved boxes that contain each start."""
         if not starts:
             return []
         numbers = np.array([k for k, b in enumerate(self.boxes) if b.verdict == PROVED], dtype=int)
@@ -410,7 +411,7 @@ class _Map:
         return [numbers[((low <= at) & (high >= at)).all(axis=1)] for at in starts]
 
     def _rests(self, run: Any, rest: Mapping[str, float]) -> bool:
-        """Tell whether a run ends next to rest: a hundredth of the range of each output."""
+        """Return whether a run ends near rest: within a hundredth of each output's range."""
         problem = self.problem
         for address, port in problem.site.interface.outputs.items():
             name = address[1]
@@ -444,7 +445,7 @@ def _is_within(part: MappedBox, box: Box) -> bool:
 
 
 def _remaining(box: Box, done: Sequence[MappedBox]) -> list[Box]:
-    """Return a box without the parts that are done; LoopProofError where those overlap."""
+    """Return a box without its finished parts; LoopProofError if those overlap."""
     if not done:
         return [box]
     if len(done) == 1 and (done[0].low, done[0].high) == (box.low, box.high):

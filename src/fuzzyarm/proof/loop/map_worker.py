@@ -1,4 +1,4 @@
-"""Boxes of a map on their way into a region: one piece of work after the other."""
+"""The worker of a map: boxes on their way into a region, in pieces of work."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ from fuzzyarm.proof.loop.zonotope import Forms
 from fuzzyarm.proof.stop import Stop
 
 LEAST, MOST = 6, 14
-"""Halvings of the window to begin with."""
+"""Initial halvings of the window."""
 
 NARROW = 0.7
-"""How far those boxes reach at most, in units of the region, where what is proved is a goal."""
+"""Largest initial boxes, in units of the region, if proved boxes are goals."""
 
 SELDOM, ENOUGH, AGAIN = 0.25, 256, 16
-"""Share of boxes of a size that are decided, below which halves of this size are halved at once; of
-how many it is one; and each so many-th is followed all the same."""
+"""Least share of decided boxes of a size, below which boxes of this size are halved at once; boxes
+before that counts; and every how many-th box is followed nevertheless."""
 
 HALVINGS = 8
-"""How often a side of the window is halved at most, on average over the sides."""
+"""Most halvings of a side of the window, on average over the sides."""
 
 Open = Mapping[Box, str]
-"""Boxes that are open, each with the reason so far."""
+"""Open boxes, each with the reason so far."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,13 @@ class MapCase:
     """The task of a worker."""
 
     given: GivenLoop
-    claim: LoopClaim  # that is stable, from the window
+    claim: LoopClaim  # of stability, from the window
     certificate: Certificate
     odd: bool
 
 
 class MapWorker:
-    """Maps boxes of a case, one piece of work after the other."""
+    """Maps boxes of a case, in pieces of work."""
 
     def __init__(self, case: MapCase) -> None:
         problem = case.given.problem(case.claim)
@@ -74,27 +74,27 @@ class MapWorker:
         self.pool.most = HALVINGS * len(self.pool.follower.names)
         self.first = self.pool.follower.first
         self.middle = self._rest()
-        self.followed: Counter[int] = Counter()  # by the number of halvings
+        self.followed: Counter[int] = Counter()  # by number of halvings
         self.decided: Counter[int] = Counter()
         self.known: set[tuple[tuple[float, ...], tuple[float, ...]]] = set()
         self.odd = case.odd
         self.cover = self._cover(problem)
-        if self.cover is not None:  # the way of a box is short, its halves are followed from anew
+        if self.cover is not None:  # ways are short: halves are followed from the start
             self.pool.cuts = 0
         low, high = np.array(self.first.low), np.array(self.first.high)
-        # Of a deviation: its coordinates in units of the region, or of the window.
+        # Coordinates of a deviation in units of the region, or of the window.
         self.units = np.diag(1.0 / (high - low)) if self.cover is None else self.haven.factor.T
         self.sides = 0.5 * (high - low) * np.linalg.norm(self.units, axis=0)
 
     def _cover(self, problem: LoopProblem) -> Cover | None:
-        """Return the region proved so far, where arriving is as good as starting."""
+        """Return the proved region so far, if arrival in it equals a start there."""
         names = self.haven.loop.names
         whole = tuple(self.pool.follower.names) == tuple(problem.states) == tuple(names)
         remembers = self.pool.control[1].memory or problem.text.model.every > 1
         if not whole or remembers or not Cover.fits(len(names)):
             return None
         cover = Cover(self.first)
-        # A cell is in the region where its corners are: V is convex.
+        # A cell is in the region if its corners are: V is convex.
         grids = np.meshgrid(*cover.edges, indexing="ij")
         corners = np.stack([grid.ravel() for grid in grids])
         values = self.haven.values(Forms.at(corners), {}).reshape(grids[0].shape) <= 1.0
@@ -105,7 +105,7 @@ class MapWorker:
         return cover
 
     def _rest(self) -> NDArray[np.float64]:
-        """Return the place of rest in the window."""
+        """Return the position of rest in the window."""
         names, rests = self.haven.loop.names, self.haven.rests
         values = [
             float(rests[names.index(name)].middle) if name in names else 0.0
@@ -114,7 +114,7 @@ class MapWorker:
         return np.array(values)
 
     def nearness(self, states: Forms, memory: Mapping[str, Number], count: int) -> Nearness:
-        """Return how near to the region boxes are."""
+        """Return the distance of boxes from the region."""
         near = self.haven.nearness(states, memory, count)
         fixed = self.haven.fixed(memory, states.shape[1])
         if self.cover is not None:
@@ -123,60 +123,60 @@ class MapWorker:
         return near._replace(value=np.where(fixed, near.value, np.inf))
 
     def learn(self, boxes: Sequence[MappedBox]) -> None:
-        """Take in what is proved already."""
+        """Add boxes proved elsewhere."""
         for box in boxes:
             if self.cover is None or box.verdict != PROVED:
                 continue
             for each in (box, box.opposite) if self.odd else (box,):
-                # Others tell both: twice half a cell would be a whole one.
+                # Each box once: twice half a cell would count as a whole one.
                 if (each.low, each.high) not in self.known:
                     self.known.add((each.low, each.high))
                     self.cover.add(each.low, each.high)
 
     def tiles(self, boxes: Sequence[Box]) -> list[Box]:
-        """Return the parts of boxes to begin with, their widest sides halved."""
+        """Return initial parts of boxes, with their widest sides halved."""
         tiles, large = list[Box](), list(boxes)
         while large:
             box = large.pop()
             widths = self.widths(box)
-            # What is wider than the region seldom leads into it, or into what is next to it.
+            # Boxes wider than the region seldom lead into it, or into its neighbours.
             is_wide = self.cover is not None and math.hypot(*widths) > NARROW
             if sum(box.halvings) < (MOST if is_wide else LEAST):
                 large += box.halves(int(np.argmax(widths)))
-            elif not self.odd or box.high > tuple(0.0 - x for x in box.low):  # or the opposite is
+            elif not self.odd or box.high > tuple(0.0 - x for x in box.low):  # or its opposite is
                 tiles.append(box)
         return sorted(tiles, key=self.distance)
 
     def widths(self, box: Box) -> NDArray[np.float64]:
-        """Return half the sides of a box, in units of the region or of the window."""
+        """Return the half-widths of a box, in units of the region or of the window."""
         return np.asarray(self.sides * 0.5 ** np.array(box.halvings))
 
     def note(self, fates: Sequence[Fate]) -> None:
-        """Keep the number of boxes that were decided, by size."""
+        """Count decided boxes by size."""
         for fate in fates:
             size = sum(fate.box.halvings)
             self.followed[size] += 1
             self.decided[size] += fate.end != GIVEN_UP
-            if self.followed[size] > 2 * ENOUGH:  # the latest count most
+            if self.followed[size] > 2 * ENOUGH:  # recent ones count most
                 self.followed[size] //= 2
                 self.decided[size] //= 2
 
     def is_seldom_decided(self, box: Box) -> bool:
-        """Tell whether boxes of this size seldom lead to a verdict, which smaller ones may."""
+        """Return whether boxes of this size are seldom decided, while smaller ones may be."""
         size = sum(box.halvings)
         followed = self.followed[size]
         is_known = self.cover is not None and followed >= ENOUGH
         return is_known and self.decided[size] < SELDOM * followed
 
     def distance(self, box: Box) -> float:
-        """Return how far a box is from rest, in units of the region or of the window."""
+        """Return the distance of a box from rest, in units of the region or of the window."""
         middle = 0.5 * np.array(box.low) + 0.5 * np.array(box.high)
         return float(np.linalg.norm(self.units @ (middle - self.middle)))
 
     def mapped(
         self, boxes: Open, seconds: float, heard: Callable[[Sequence[MappedBox]], None]
     ) -> dict[Box, str]:
-        """Map boxes; what is decided is heard, what time did not suffice for is returned."""
+        """Map boxes; report decided ones to `heard`, return those left when time is over."""
         return _Mapping(self, boxes, heard).run(seconds)
 
 
@@ -195,12 +195,12 @@ class _Mapping:
 
     def _push(self, box: Box, reason: str) -> None:
         self.count += 1
-        # Large ones first, and backward from rest: most of the volume is decided soon.
+        # Large boxes first, outward from rest: most of the volume is decided soon.
         key = sum(box.halvings), self.worker.distance(box), self.count
         heapq.heappush(self.queue, (*key, box, reason))
 
     def run(self, seconds: float) -> dict[Box, str]:
-        """Work until all is decided, or time is over; return what is not."""
+        """Work until all is decided or time is over; return the open boxes."""
         pool = self.worker.pool
         pool.restart(Stop(seconds))
         rest = pool.follow(self._next, self._done)
@@ -240,7 +240,7 @@ class _Mapping:
                 decided.append(
                     mapped_box(box, REFUTED, fate.periods, f"all runs are {fate.reason}")
                 )
-            elif fate.was_cut:  # anew: what had added up until it was halved is less from now on
+            elif fate.was_cut:  # anew: the halved box accumulates less width
                 self._push(box, fate.reason)
             elif sum(box.halvings) < self.worker.pool.most:
                 way = self.worker.pool.dimension(box, fate.weight)
@@ -253,7 +253,7 @@ class _Mapping:
             self.heard(decided)
 
     def _probe(self, box: Box, reason: str) -> None:
-        """Follow the run from the middle of a box that is too small to be halved."""
+        """Follow the run from the midpoint of a box too small to be halved."""
         at = tuple(0.5 * a + 0.5 * b for a, b in zip(box.low, box.high, strict=True))
         probe = Box(at, at, box.halvings)
         self.probes[probe] = (box, reason)
@@ -266,7 +266,7 @@ def mapped_box(box: Box, verdict: str, periods: int, reason: str) -> MappedBox:
 
 
 _ONE_AT_A_TIME = threading.Lock()
-"""A worker remembers where it is: threads of an executor take turns, processes need not."""
+"""Workers are cached by case: threads of an executor take turns, processes need not."""
 
 
 @lru_cache(maxsize=2)
@@ -277,7 +277,7 @@ def _worker_of(content: bytes) -> MapWorker:
 def mapped_piece(
     content: bytes, boxes: Open, known: Sequence[MappedBox], seconds: float
 ) -> tuple[list[MappedBox], dict[Box, str], float]:
-    """Map boxes in another process; return them, those that are left, and the seconds of work."""
+    """Map boxes in another process; return them, the open ones, and the seconds of work."""
     found: list[MappedBox] = []
     with _ONE_AT_A_TIME:
         begun = time.process_time()

@@ -1,11 +1,11 @@
-"""How far a loop is from instability: gain, phase and delay margin, peak sensitivity.
+"""Stability margins of a loop: gain, phase and delay margin, peak sensitivity.
 
-With L the transfer function of the loop opened at one drive, as sampled (q = exp(jωh)), the closed
-loop has 1 + L as its return difference, and S = 1 / (1 + L) as its sensitivity.
+With L the sampled transfer function of the loop opened at one drive (q = exp(jωh)), the closed loop
+has the return difference 1 + L and the sensitivity S = 1 / (1 + L).
 
-Frequencies where |L| = 1 or L is real are roots: with ``L(1/q) = bᵀ q (I - q Aᵀ)⁻¹ cᵀ`` they are
-generalised eigenvalues on the unit circle, so that none is missed between points of a grid. Each
-is then polished by a bracketing root search of the function itself.
+Frequencies with |L| = 1 or real L are roots: with ``L(1/q) = bᵀ q (I - q Aᵀ)⁻¹ cᵀ`` they are
+generalised eigenvalues on the unit circle, so that no grid can miss one. Each is then refined by a
+bracketing root search of the function itself.
 
 Sources: K. J. Åström and R. M. Murray, *Feedback Systems*, Princeton University Press 2008,
 sections 9.3 and 11.3 (margins, sensitivity); K. J. Åström and B. Wittenmark, *Computer-Controlled
@@ -41,28 +41,28 @@ from fuzzyarm.proof.map.sector import NoSectorError, form_text, sector
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
 LONGEST_DELAY = 400
-"""Control periods of dead time at most that a delay margin is looked for in."""
+"""Largest dead time in the search for a delay margin, in control periods."""
 
 INFINITE = 1e12
-"""A larger magnitude of L counts as infinite, as next to frequency 0 of a loop with an integral."""
+"""A larger |L| counts as infinite, as near frequency 0 of a loop with an integrator."""
 
 POINTS = 2000
-"""Frequencies at which the sensitivity is looked at first."""
+"""Frequencies of the first scan of the sensitivity."""
 
 
 @json_properties("*")
 @dataclass(frozen=True)
 class Margins:
-    """Margins of a loop that is opened at one drive.
+    """Margins of a loop opened at one drive.
 
     Attributes
     ----------
     stable : bool
-        Whether the loop comes to rest at all; if not, all margins are None.
+        Whether the closed loop is stable; if not, all margins are None.
     gain : float or None
-        The loop is stable up to this factor of its gain; infinity where no factor is too much.
+        The loop is stable up to this factor on its gain; infinity without a limit.
     gain_down : float or None
-        And down to this one; 0 where none is too small.
+        And down to this factor; 0 without a limit.
     phase : float or None
         Further lag at the crossover that makes it unstable, degrees; infinity without a crossover.
     delay : float or None
@@ -70,7 +70,7 @@ class Margins:
     sensitivity : float or None
         The peak of the sensitivity.
     gain_at, phase_at, sensitivity_at : float or None
-        Where, rad/s; of `phase` the crossover. None where there is no such frequency.
+        Frequencies of these margins, rad/s; of `phase` the crossover. None without one.
     """
 
     stable: bool
@@ -87,16 +87,16 @@ class Margins:
 @json_properties("of=words low high")
 @dataclass(frozen=True)
 class RuleGain:
-    """A gain of a rule base that is not one number away from rest.
+    """A gain of a rule base, uncertain away from rest.
 
     Attributes
     ----------
     words : str
-        What it is.
+        The gain in words.
     slopes : tuple of (int, float)
-        Which slopes of the loop it is, and times what.
+        Indices of the loop's slopes, and their factors.
     low, high : float
-        Its bounds, which are proved.
+        Proved bounds of the gain.
     """
 
     words: str
@@ -107,16 +107,16 @@ class RuleGain:
 
 @dataclass(frozen=True)
 class WorstMargins:
-    """The least margins over the gains of the rules that were found, each with its gains.
+    """The least margins found over the gains of the rules, each with its gains.
 
     Attributes
     ----------
     gains : tuple of RuleGain
         Bounded over the given share of the ranges.
     margins : Margins
-        The least of each; not stable if any choice of gains is not.
+        The least of each; not stable if any choice of gains is unstable.
     where : dict of str to tuple of float
-        By the name of a margin, the gains where it is met, in the order of `gains`.
+        By the name of a margin, the gains of the least value, in the order of `gains`.
     """
 
     gains: tuple[RuleGain, ...]
@@ -138,10 +138,9 @@ class DriveMargins:
     nominal : Margins
         At rest.
     worst : WorstMargins or None
-        Over the slopes of the rules; None where they have no proved bounds.
+        Over the slopes of the rules; None without proved bounds.
     held : tuple of str
-        Inputs of the rules that have no gain, since the loop rests at or beyond an end of their
-        range.
+        Inputs of the rules without a gain, since the loop rests at or beyond an end of their range.
     """
 
     drive: Address
@@ -157,12 +156,12 @@ class DriveMargins:
 
     @property
     def worst_gains(self) -> tuple[RuleGain, ...]:
-        """Gains that are not one number."""
+        """Uncertain gains."""
         return self.worst.gains if self.worst else ()
 
     @property
     def where(self) -> Mapping[str, tuple[float, ...]]:
-        """By margin, the gains where it is met."""
+        """By margin, the gains of the least value."""
         return self.worst.where if self.worst else {}
 
 
@@ -188,15 +187,15 @@ def margins(
     set_point : mapping of str to float, optional
         Constant, by port; 0 for others.
     parameters : mapping of str to (float, float), optional
-        Of the plant, by name; of one value each.
+        Of the plant, by name; one value each.
     sensors : mapping of str to Sensor, optional
         By port; exact ones by default.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        Port of the plant for each name of the controller that differs.
     share : float
-        Of the ranges of the rule bases' inputs, around rest, over which their gains are bounded.
+        Share of the ranges of the rule bases' inputs, around rest, over which gains are bounded.
     budget : float
-        Processor seconds that those bounds may take; without them margins are at rest only.
+        Processor seconds for those bounds; without them margins are at rest only.
 
     Returns
     -------
@@ -206,7 +205,7 @@ def margins(
     Raises
     ------
     LoopProofError
-        If the loop has no rest that is found, or rests where nothing answers.
+        If no rest is found, or the loop does not respond there.
 
     Examples
     --------
@@ -241,14 +240,14 @@ def margins_of_problem(problem: LoopProblem, share: float, budget: float) -> lis
 
 
 def margins_of(loop: OpenLoop) -> Margins:
-    """Return the margins of a loop that is opened at one drive."""
+    """Return the margins of a loop opened at one drive."""
     if loop.radius >= 1.0:
         return Margins(stable=False)
     return _Response(loop).margins()
 
 
 class _Response:
-    """The frequency response of one open loop, and what follows from it."""
+    """The frequency response of one open loop, with margins."""
 
     def __init__(self, loop: OpenLoop) -> None:
         self.loop = loop
@@ -276,7 +275,7 @@ class _Response:
 
     @cached_property
     def crossovers(self) -> list[float]:
-        """Where |L| is 1, rad/s."""
+        """Frequencies with |L| = 1, rad/s."""
         a, b, c = self.loop.a, self.loop.b[:, None], self.loop.c[None, :]
         n = len(a)
         zero, unit = np.zeros((n, n)), np.eye(n)
@@ -285,7 +284,7 @@ class _Response:
         return self._polished(left, right, lambda w: abs(self.at(w)) - 1.0)
 
     def _gains(self) -> Iterator[tuple[float, float]]:
-        """Yield frequencies where L is real and below 0, with the factor that takes it to -1."""
+        """Yield frequencies with real L < 0, and the factor that takes L to -1."""
         a, b, c = self.loop.a, self.loop.b[:, None], self.loop.c[None, :]
         n = len(a)
         left = np.block(
@@ -301,14 +300,14 @@ class _Response:
             with np.errstate(all="ignore"):
                 try:
                     value = self.at(omega)
-                except np.linalg.LinAlgError:  # a pole at rest, as of an integrator
+                except np.linalg.LinAlgError:  # a pole at q = 1, as of an integrator
                     continue
             size = abs(value)
             if size < INFINITE and value.real < 0.0 and abs(value.imag) <= 1e-6 * size:
                 yield float(omega), 1.0 / size
 
     def _polished(self, left: Vector, right: Vector, miss: Callable[[float], float]) -> list[float]:
-        """Return frequencies of generalised eigenvalues on the unit circle, in order."""
+        """Return the frequencies of generalised eigenvalues on the unit circle, in order."""
         from scipy.linalg import eigvals
         from scipy.optimize import brentq
 
@@ -331,7 +330,7 @@ class _Response:
         return float((np.angle(self.at(omega)) + math.pi) % (2.0 * math.pi))
 
     def _peak(self) -> tuple[float, float]:
-        """Return the largest sensitivity, and where."""
+        """Return the largest sensitivity and its frequency."""
         from scipy.optimize import minimize_scalar
 
         grid = np.geomspace(1e-6 * self.fastest, self.fastest, POINTS)
@@ -351,15 +350,15 @@ class _Response:
     # --- dead time ---
 
     def _delay(self) -> float:
-        """Return the least dead time of the actuator at which the loop is at its limit."""
+        """Return the least destabilising dead time of the actuator."""
         from scipy.optimize import brentq
 
         h = self.loop.period
         guesses = sorted(self._lag(w) / w for w in self.crossovers)
         if not guesses or guesses[0] > LONGEST_DELAY * h:
             return math.inf
-        # |L| hardly changes with a dead time within a period, so the margin is near the least
-        # guess; steps of half a period up to the first that is unstable, then its limit between.
+        # A dead time within a period hardly changes |L|, so the margin is near the least guess;
+        # steps of half a period up to the first unstable one, then its limit in between.
         low, step = 0.0, min(0.5 * h, 0.25 * guesses[0])
         high = low + step
         while self._left(high) > 0.0:
@@ -369,13 +368,14 @@ class _Response:
         return float(brentq(self._left, low, high, xtol=1e-12 * h))
 
     def _left(self, delay: float) -> float:
-        """Return the dead time to the limit of a loop that has this one already, s.
+        """Return the further dead time to the limit of a loop with this one, s.
 
-        Below 0 the limit is passed. Whole periods only turn L: the rest tells its lags.
+        Negative beyond the limit. Whole periods only rotate L; the rest of the dead time changes
+        |L|.
         """
         whole, part = divmod(self.loop.part + delay, self.loop.period)
         late = _Response(late_loop(self.loop, part))
-        if not whole and late.loop.radius >= 1.0:  # then the lag to the limit is a whole turn less
+        if not whole and late.loop.radius >= 1.0:  # then the lag to the limit is a full turn less
             passed = ((late._lag(omega) - 2.0 * math.pi) / omega for omega in late.crossovers)
             return max(passed, default=-math.inf)
         lags = (late._lag(omega) / omega for omega in late.crossovers)
@@ -383,7 +383,7 @@ class _Response:
 
 
 def late_loop(loop: OpenLoop, part: float) -> OpenLoop:
-    """Return a loop whose actuator has a dead time of a part of a period, s, and no other one."""
+    """Return a loop with a dead time of a part of a period, s, as the actuator's only one."""
     from scipy.linalg import expm
 
     h, m, n = loop.period, len(loop.ahead), len(loop.a)
@@ -393,8 +393,8 @@ def late_loop(loop: OpenLoop, part: float) -> OpenLoop:
     a, b = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
     a[:n, :n] = loop.a
     if loop.part:
-        a[:m, loop.before] = 0.0  # its own part of a period is in the new one
-    a[:m, n] = expm(both * h)[:m, m] - late  # the drive of the period before acts first
+        a[:m, loop.before] = 0.0  # its former part of a period is replaced
+    a[:m, n] = expm(both * h)[:m, m] - late  # the previous drive acts first
     b[:m], b[n] = late, 1.0
     return OpenLoop(a, b, np.append(loop.c, 0.0), loop.ahead, h)
 
@@ -407,7 +407,7 @@ def drive_margins(
 ) -> DriveMargins:
     """Return the margins at a drive: at rest, and the worst over gains of the rules.
 
-    LoopProofError: the drive does not answer to what it moves.
+    LoopProofError: there is no feedback to the drive.
     """
     loop = linear.opened(drive)
     if not np.abs(loop.at(np.geomspace(1e-4, 1.0, 8) * math.pi / loop.period)).any():
@@ -423,11 +423,10 @@ def drive_margins(
 def rule_gains(
     linear: LinearisedLoop, share: float = 1.0, stop: Stop | None = None
 ) -> tuple[RuleGain, ...]:
-    """Return the gains of all rule bases, bounded; empty where one of them has no bounds.
+    """Return the bounded gains of all rule bases; empty if one of them has no bounds.
 
-    Along the sum of its inputs that its slopes at rest have, a rule base is one gain times that
-    sum, within its sector; where it has none, a gain for each input, within the bounds of its
-    slopes. See :mod:`fuzzyarm.proof.map.sector`.
+    A rule base with a sector along its linear law at rest is one gain times that sum; otherwise one
+    gain for each input, within the bounds of its slopes. See :mod:`fuzzyarm.proof.map.sector`.
     """
     try:
         with stop or Stop():
@@ -459,7 +458,7 @@ _Slopes = Sequence[tuple[int, RuleSlope]]
 def _sector_gain(
     prover: Prover, region: Mapping[str, tuple[float, float]], slopes: _Slopes
 ) -> list[RuleGain]:
-    """Return the gain along the linear law; none where the rules are not 0 with it."""
+    """Return the gain along the linear law; none if the rules do not vanish with it."""
     weights = {slope.input: Fraction(slope.value) for _, slope in slopes}
     if not all(weights.values()) or any(slopes[0][1].at.values()):
         return []
@@ -488,11 +487,11 @@ def _slope_gains(
 
 
 _LEAST = {"gain": 1, "gain_down": -1, "phase": 1, "delay": 1, "sensitivity": -1}
-"""Margins, and whether the least or the greatest one is the worst."""
+"""Margins, and whether the least or the greatest is the worst."""
 
 
 def _worst(linear: LinearisedLoop, drive: Address, gains: tuple[RuleGain, ...]) -> WorstMargins:
-    """Return the worst margins over a box of gains: from its corners downhill."""
+    """Return the worst margins over a box of gains: descent from its corners."""
     known: dict[tuple[float, ...], Margins] = {}
 
     def at(values: tuple[float, ...]) -> Margins:
@@ -534,7 +533,7 @@ def _descended(
     start: tuple[float, ...],
     bounds: list[tuple[float, float]],
 ) -> tuple[float, ...]:
-    """Return a point with a least cost: compass search, steps halved."""
+    """Return a point of locally least cost: compass search with halved steps."""
     best, share = start, 0.5
     while share > 0.05:
         near = [

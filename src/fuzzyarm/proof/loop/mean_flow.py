@@ -1,12 +1,12 @@
-"""Where the solutions of a differential equation go in a period, by their mean slopes.
+"""The motion of a set over a period, by the mean value theorem.
 
-With φ the end of the solution from a point, and Φ the slopes of all ends all over the set,
+With φ(c) the end of the solution from the centre c, and Φ the slopes of φ over the set,
 
-    x(h) = φ(c) + Φ (x₀ − c),   c the middle of the set, inputs among its coordinates
+    x(h) = φ(c) + Φ (x₀ − c),   inputs among the coordinates.
 
-(mean value theorem). Both are those of :mod:`fuzzyarm.proof.check.motion`, over intervals alone,
-and the symbols of a set are multiplied once; :class:`fuzzyarm.proof.loop.flow.Flow` carries them
-through a series, which takes several times as long.
+φ and Φ are those of :mod:`fuzzyarm.proof.check.motion`, over intervals alone, and the symbols of a
+set are multiplied once; :class:`fuzzyarm.proof.loop.flow.Flow` carries them through a series, which
+takes several times as long.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, TINY, Forms, joined, stacked
 
 STEPS = 1
-"""Of the motion from the middle in a period. The checker's four make its end narrower, but that of
-a set is as wide as the slopes leave open."""
+"""Steps of the motion from the centre. The checker's four narrow its end, but the slopes dominate
+the width of a set."""
 
 
 class MeanFlow:
@@ -39,7 +39,7 @@ class MeanFlow:
     Parameters
     ----------
     problem : LoopProblem
-        The loop; its plant's equations do not depend on the time.
+        The loop; its plant's equations are time-invariant.
     """
 
     def __init__(self, problem: LoopProblem) -> None:
@@ -48,9 +48,9 @@ class MeanFlow:
 
     @precisely
     def ends(self, states: Forms, inputs: Forms) -> Forms:
-        """Return the states a period later, without a bound where nothing is known of them.
+        """Return the states one period later, unbounded if no enclosure is found.
 
-        LoopProofError: its equations have something of which the checker knows no slopes.
+        LoopProofError: the equations have an operation without slopes in the checker.
         """
         equations = self.problem.equations
         names = (*equations.states, *equations.inputs)
@@ -70,7 +70,7 @@ class MeanFlow:
 
 
 def _ended(whole: Forms, slopes: Sequence[Number], end: Spans) -> Forms:
-    """Return ends of middles and slopes times what the sets are around these."""
+    """Return the ends of the centres plus slopes times deviations."""
     spans = [Spans.of(slope) for slope in slopes]
     near = np.stack([np.broadcast_to(x.mid().low, end.low.shape) for x in spans])
     off = np.stack([np.broadcast_to(x.rad().low, end.low.shape) for x in spans])

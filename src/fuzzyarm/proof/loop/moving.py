@@ -1,7 +1,7 @@
-"""References that move, enclosed by the search in rationals.
+"""Moving references, enclosed by the search in rationals.
 
-Outside a sine they are exact at samples. Over a time h a value is within h²/8 max |r''| of the
-chord between both ends, or is constant before a jump.
+Except for sines they are exact at samples. Over a time h a value is within h²/8 max |r''| of the
+chord between both ends, or constant before a jump.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ def _wave(name: str, ends: Ends) -> Ends:
 
 @lru_cache(maxsize=64)
 def _bounds(signal: Signal, order: int, begin: Fraction, end: Fraction) -> Ends:
-    """Return where value (0), rate or acceleration is over a time, as far as its formula tells."""
+    """Return bounds of value (0), rate or acceleration over a time, by its formula."""
     roots, numbers = signal.traced
     ranges = {name: (x, x) for name, x in numbers.items()}
     return exact_bounds(roots[order], {**ranges, "t": (begin, end)}, _wave)
 
 
 def sampled_references(problem: LoopProblem, period: int) -> dict[Address, Intervals]:
-    """Return the references in a period that are not `set_point`, with those of ``simulate``."""
+    """Return the moving references in a period, by their exact formula and as in ``simulate``."""
     time, found = problem.time_of(problem.held_since(period)), {}
     for address, moved in problem.moved.items():
         low, high = _bounds(moved.signal, moved.order, time, time)
@@ -51,12 +51,12 @@ def sampled_references(problem: LoopProblem, period: int) -> dict[Address, Inter
 def reference_between(
     problem: LoopProblem, address: Address, begin: Fraction, end: Fraction
 ) -> Intervals:
-    """Return a reference between two times; at one, with both sides of a jump."""
+    """Return the range of a reference between two times; at one time with both sides of a jump."""
     if address not in problem.moved:
         return Intervals.at(problem.set_point[address])
     signal, order = problem.moved[address]
     times = [begin, end]
-    if signal.jump == end:  # before it all is constant
+    if signal.jump == end:  # constant before the jump
         times[begin < end] = end / 2
     ends = [_bounds(signal, order, time, time) for time in times]
     h, far = end - begin, Fraction(0)

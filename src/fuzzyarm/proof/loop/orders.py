@@ -1,4 +1,4 @@
-"""The meaning of a request of proving, and its results: verdicts, bounds, sectors, tubes."""
+"""The execution of a proof request: verdicts, bounds, sectors, tubes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of pieces or attempts, and the gap between the bounds."""
 
 _PARTS = {"from": "from_", "with": "with_", "at": "at"}
-"""Parts of a claim that are options, and the fields that have them."""
+"""Parts of a claim with options, and their fields."""
 
 
 def _unheard(_statement: str, _count: int, _gap: float) -> None:
@@ -71,7 +71,7 @@ def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]
 
 
 def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
-    """Return the statements of a request beside the lines of files."""
+    """Return the results for statements of a request, besides the lines of files."""
     controller = above.function("controller_if_any")(path)
     if request.check is not None:
         return [check_of(request, controller)]
@@ -96,11 +96,11 @@ def _of_loop(request: ProveRequest, loop: ControllerText, tell: Tell) -> Iterabl
     return loops_of(request, loop, (claim_of(request),), tell)
 
 
-# --- Fields that go together ---
+# --- Combinations of fields ---
 
 
 def require_sensible(request: ProveRequest) -> None:
-    """Tell mistakes before anything is read."""
+    """Report mistakes before anything is read."""
     if request.check is not None:
         return
     if not request.files:
@@ -125,12 +125,12 @@ def _mode(request: ProveRequest) -> str:
 
 
 def bounds_one(request: ProveRequest) -> bool:
-    """Whether one number of an output is to be bounded."""
+    """Return whether a request bounds a single quantity of an output."""
     return request.range or request.slope or request.table is not None
 
 
 def wants_loop(request: ProveRequest) -> bool:
-    """Whether a request has a claim about a loop, or a tube, besides the lines of a file."""
+    """Return whether a request has a claim about a loop, or a tube, besides the lines of a file."""
     _require_map(request)
     required = (
         request.stable or request.map or request.claim is not None or request.duration is not None
@@ -148,7 +148,7 @@ def wants_loop(request: ProveRequest) -> bool:
 
 
 def _require_map(request: ProveRequest) -> None:
-    """Refuse fields that do not go with a map of starts."""
+    """Refuse fields that conflict with a map of starts."""
     for name in ("over", "workers", "resume"):
         if getattr(request, name) is not None and not request.map:
             raise UsageError(f"--{name} goes with --map")
@@ -166,7 +166,7 @@ def _require_map(request: ProveRequest) -> None:
 def lines_of(
     request: ProveRequest, path: str, controller: ControllerText | None, tell: Tell
 ) -> Iterator[Verdict | LoopVerdict | DriveProof]:
-    """Judge the ``prove`` lines of a file; of a controller what holds of its drives, too."""
+    """Judge the ``prove`` lines of a file; of a controller also the properties of its drives."""
     rulebases = (
         controller.model.rulebases if controller else (above.function("load_rules")(path, "prove"),)
     )
@@ -188,17 +188,17 @@ def rules_of(
 
 
 def budget_of(request: ProveRequest) -> float:
-    """Return how long each statement may take, s."""
+    """Return the time for each statement, s."""
     return request.budget or math.inf
 
 
-# --- One number ---
+# --- One quantity ---
 
 
 def bounds_of(
     request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
 ) -> dict[str, Bounds]:
-    """Bound the values, the slopes or the error of a table, by what they are called."""
+    """Return bounds of values, slopes or a table's error, by name."""
     prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
     if request.table is not None:
         return {"worst": _error_of_table(prover, request.table)}
@@ -216,7 +216,7 @@ def prover_of(request: ProveRequest, rulebase: RuleBase, output: str, tell: Tell
 
 
 def only_output(rulebase: RuleBase, name: str | None) -> str:
-    """Return the output that is named, or the only one."""
+    """Return the named output, or the only one."""
     names = [output.name for output in rulebase.outputs]
     if name is None and len(names) != 1:
         raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
@@ -240,7 +240,7 @@ def _error_of_table(prover: Prover, which: str) -> Bounds:
 def sectors_of(
     request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
 ) -> tuple[list[Sector], list[str]]:
-    """Return the sectors of an output, and in words along what there is none."""
+    """Return the sectors of an output, and in words the sums without one."""
     if request.plant is not None:
         raise UsageError("--plant is for controllers, not for rule bases")
     prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
@@ -254,7 +254,7 @@ def sectors_of(
 
 
 def _forms(prover: Prover, along: str | None, failed: list[str]) -> list[dict[str, Any]]:
-    """Return the sums of inputs: each alone, and what a linear law would give."""
+    """Return the sums of inputs: each alone, and the linear law."""
     if along is not None:
         return [dict(read_assignments([along], prover.names))]
     forms: list[dict[str, Any]] = [{name: 1} for name in prover.names]
@@ -272,7 +272,7 @@ def _forms(prover: Prover, along: str | None, failed: list[str]) -> list[dict[st
 
 
 def plant_of_drives(request: ProveRequest, controller: ControllerText) -> Plant | None:
-    """Return the plant whose ranges hold for drives: that of the request, else of all claims."""
+    """Return the plant with the ranges for drives: that of the request, else of all claims."""
     if request.plant is not None:
         return find_plant(request.plant)
     named = {claim.plant for claim in controller.claims}
@@ -320,7 +320,7 @@ def loops_of(
 
 
 LEAST_SHARE = 0.25
-"""Of the budget, that a certificate may take where the proof took nearly all of it."""
+"""Share of the budget for a certificate if the proof took nearly all of it."""
 
 
 def certificate_of(
@@ -329,9 +329,9 @@ def certificate_of(
     verdict: LoopVerdict,
     tell: Tell = _unheard,
 ) -> Certificate:
-    """Return the certificate of what is proved; of a tube it is made first.
+    """Return the certificate of a verdict; for a tube it is searched first.
 
-    That takes as long as is left of the budget. LoopProofError where there is none.
+    The search may take the rest of the budget. LoopProofError if there is none.
     """
     if verdict.certificate is not None:
         return verdict.certificate
@@ -365,7 +365,7 @@ def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
 def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
     """Return the claim of the fields: ``claim``, or ``stable`` with its parts.
 
-    `dashes` stand before a field's name in a message; a page has none.
+    `dashes`: prefix of a field's name in messages; empty on a page.
     """
     plant = request.plant or ""
     if request.claim is not None:
@@ -382,7 +382,7 @@ def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
         value = getattr(request, _PARTS[word])
         if value is not None:
             parts[word] = value
-    for word, value in parts.items():  # each alone first: so a mistake has the name of its option
+    for word, value in parts.items():  # each alone first, so that a mistake names its option
         source = f"{dashes}{word} '{getattr(request, _PARTS[word])}'"
         read_claim(f"stable {word} {value}", plant, source)
     return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
@@ -397,7 +397,7 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
 
 
 def margins_of_text(text: ControllerText, request: MarginsRequest) -> list[DriveMargins]:
-    """Return the margins of the loop of a controller, as loaded."""
+    """Return the margins of a loaded controller's loop."""
     plant = request.plant
     if plant is None:
         site = site_by_axes(text.model, connections(ExperimentRequest(connect=request.connect)))
@@ -459,7 +459,7 @@ def _ended(claim: LoopClaim, request: ProveRequest) -> LoopClaim:
 def tube_of(
     request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
 ) -> tuple[Tube, tuple[str, ...], str]:
-    """Bound all ports of the plant for a time: the tube, what is left open, and what it is of."""
+    """Bound all ports of the plant for a time: the tube, its open parts, and its statement."""
     claim = claim_of(request)
     duration = read_time(request.duration or "", "--for")
     setup = setup_of(request, claim)

@@ -13,32 +13,32 @@ Ends = tuple[Fraction, Fraction]
 
 
 def lower(x: float) -> float:
-    """Return a float two steps below."""
+    """Return the float two steps below."""
     return math.nextafter(math.nextafter(x, -math.inf), -math.inf)
 
 
 def higher(x: float) -> float:
-    """Return a float two steps above."""
+    """Return the float two steps above."""
     return math.nextafter(math.nextafter(x, math.inf), math.inf)
 
 
 def below(x: Fraction) -> float:
-    """Return a float that is less."""
+    """Return a float below a rational."""
     return lower(float(x))
 
 
 def above(x: Fraction) -> float:
-    """Return a float that is greater."""
+    """Return a float above a rational."""
     return higher(float(x))
 
 
 def around(rest: Fraction, half: Fraction) -> tuple[float, float]:
-    """Return an interval that holds rest ± half."""
+    """Return an interval that contains rest ± half."""
     return end_of(rest - half, low=True), end_of(rest + half, low=False)
 
 
 def end_of(x: Fraction, *, low: bool) -> float:
-    """Return the number itself where it is a float, else one below (`low`) or above it."""
+    """Return the number itself if it is a float, else one below (`low`) or above it."""
     near = float(x)
     if Fraction(near) == x:
         return near
@@ -50,9 +50,9 @@ def exact_bounds(
     ranges: Mapping[str, Ends],
     wave: Callable[[str, Ends], Ends] | None = None,
 ) -> Ends:
-    """Return bounds of an expression in rationals: exactly 0 where that is a factor.
+    """Return bounds of an expression in rationals: exactly 0 for a factor 0.
 
-    Of sine and cosine by `wave`; without it only at 0.
+    Sine and cosine are bounded by `wave`; without it only at 0.
     """
 
     def applied(node: Apply, arguments: list[Ends]) -> Ends:
@@ -66,7 +66,7 @@ def exact_bounds(
 
 
 def _choice(a: Ends, b: Ends, c: Ends | None = None) -> Ends:
-    """Return whether a ≤ b, as 1 or 0; or b where a is such a 1, and c where it is 0."""
+    """Return whether a ≤ b, as 1 or 0; with c the choice of b for a = 1, c for 0."""
     if c is None:
         return Fraction(a[1] <= b[0]), Fraction(a[0] <= b[1])
     branches = [x for x, taken in ((b, a[1]), (c, 1 - a[0])) if taken]

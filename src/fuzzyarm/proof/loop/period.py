@@ -1,7 +1,7 @@
 """One period of a closed loop up to the inputs of the plant: sensors, controller, actuators.
 
-The controller is :class:`fuzzyarm.control.controllers.period.ControlPeriod`; the kinds of number
-are affine forms for certificates, zonotopes for tubes, floats near a rest.
+The controller is :class:`fuzzyarm.control.controllers.period.ControlPeriod`; its algebras are
+affine forms for certificates, zonotopes for tubes, floats near a rest.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ T = TypeVar("T")
 
 
 class LoopAlgebra(Algebra[T]):
-    """A kind of number of a loop."""
+    """The algebra of a closed loop."""
 
     def error(self, x: T, size: float) -> T:
-        """Return ``x`` and an unknown error of at most a size."""
+        """Return ``x`` plus an unknown error of at most `size`."""
         raise NotImplementedError
 
 
 class LoopPeriod(Generic[T]):
-    """One period of the loop up to the inputs of the plant, over some kind of number.
+    """One period of the loop up to the inputs of the plant, over an algebra.
 
     Parameters
     ----------
     problem : LoopProblem
         The loop.
     algebra : LoopAlgebra
-        The kind of number.
+        The algebra.
 
     Attributes
     ----------
@@ -97,10 +97,10 @@ class LoopPeriod(Generic[T]):
         first: bool = False,
         moved: Mapping[Address, T] | None = None,
     ) -> tuple[dict[Address, T], dict[str, T]]:
-        """Do one period: return inputs of the plant, limits and slews included, and the new memory.
+        """Evaluate one period: return the plant's limited and slewed inputs, and the memory.
 
-        In the first period some sources have seen nothing yet, and memory that begins as NaN is not
-        read. `moved` has the references that are not `set_point`.
+        In the first period some sources have no input yet, and memory that begins as NaN is not
+        read. `moved` has the moving references.
         """
         self._before, self._after, self._first = memory, dict[str, T](), first
         given = self._given(self._sensed(outputs), moved or {})
@@ -118,7 +118,7 @@ class LoopPeriod(Generic[T]):
             for address, port in self.problem.site.interface.inputs.items()
         }
         stays = {name: self._state(name) for name in self.memory if name not in self._after}
-        return inputs, self._after | stays  # of a drive without a limit nothing is in excess
+        return inputs, self._after | stays  # a drive without a limit has no excess
 
     def _port(self, kind: str, address: Address) -> Address:
         return self.problem.site.find(self.problem.text.model, kind, address)
@@ -126,7 +126,7 @@ class LoopPeriod(Generic[T]):
     def _given(
         self, measured: Mapping[Address, T], moved: Mapping[Address, T]
     ) -> dict[PortValue, T]:
-        """Return the values that the controller reads, by its own names."""
+        """Return the values read by the controller, by its own names."""
         model, set_point = self.problem.text.model, self.problem.set_point
         given = {
             PortValue("measured", *address): measured[self._port("measured", address)]
@@ -160,7 +160,7 @@ class LoopPeriod(Generic[T]):
             of = self.problem.site.interface.outputs[address].rate_of
             if not of:
                 raise LoopProofError(f"'{label}' is not the rate of another output")
-            if (address[0], of) not in measurements:  # it would be that of the last period
+            if (address[0], of) not in measurements:  # it would be a value of the last period
                 raise LoopProofError(f"'{label}' stands before the output whose rate it is")
             source = measurements[address[0], of]
             before, slope = (
@@ -170,7 +170,7 @@ class LoopPeriod(Generic[T]):
             self._after[f"{label} sensed before"] = source
             value = algebra.number(0.0)
             if not self._first:
-                # A filter of first order, implicit: s + (steep - s) h / (T + h), T its time.
+                # First-order filter, implicit Euler: s + (steep - s) h / (T + h), time constant T.
                 steep = algebra.divide(algebra.subtract(source, before), algebra.number(period))
                 way = algebra.multiply(algebra.subtract(steep, slope), algebra.number(period))
                 way = algebra.divide(way, algebra.number(sensor.difference + period))
@@ -184,11 +184,11 @@ class LoopPeriod(Generic[T]):
         return self._handed_on(f"{label} late", whole_periods(sensor.delay, period), value)
 
     def _cells(self, name: str, count: int) -> list[str]:
-        """Return the memory of a delay of so many periods, youngest first."""
+        """Return the names of a delay's memory cells, youngest first."""
         return [f"{name} {k + 1}" for k in range(count)]
 
     def _handed_on(self, name: str, count: int, value: T) -> T:
-        """Return a value of n periods ago: n values in a row, each handed on once in a period."""
+        """Return a value delayed by `count` periods: a shift register."""
         now = value
         for cell in self._cells(name, count):
             begins = self._first and math.isnan(self.memory[cell])
@@ -216,13 +216,13 @@ class LoopPeriod(Generic[T]):
 
 
 def _periods(actuator: Port, period: float) -> int:
-    """Return the periods that a dead time lasts, one that it ends in included."""
+    """Return the periods of a dead time, rounded up."""
     count, rest = dead_time(actuator.dead_time, period)
     return count + (rest > 0.0)
 
 
 def _lines(problem: LoopProblem) -> Iterator[tuple[int, Line]]:
-    """Yield the lines of all axes, with the number of the axis."""
+    """Yield the lines of all axes, with the index of the axis."""
     model = problem.text.model
     every = [axes for axes in model.axes for _ in axes.names]
     return ((index, line) for index, axes in enumerate(every) for line in axes.lines)

@@ -31,17 +31,16 @@ class RegionPlane:
 
     names: tuple[str, str]  # names, units: of both states
     units: tuple[str, str]
-    shadow: Vector  # the outline of all that the region holds; shape (n, 2)
-    # The outline of the starts that are proved, the other states at rest. Empty where the region
-    # holds none of them, or says nothing of what the controller has in memory at the start; shape
-    # (n, 2)
+    shadow: Vector  # outline of the region's projection; shape (n, 2)
+    # Outline of the proved starts, with the other states at rest. Empty if the region contains
+    # none, or does not cover the initial memory of the controller; shape (n, 2)
     start: Vector
     runs: tuple[Vector, ...]  # runs from the border of those starts; shape (m, 2)
-    # settled, lost: starts on a grid whose runs came to rest in the time of a run, and those that
-    # did not; shape (k, 2)
+    # settled, lost: starts on a grid with runs that settle within the duration, and the others;
+    # shape (k, 2)
     settled: Vector
     lost: Vector
-    # Share of the settled ones that is proved; None where memory has a start of its own
+    # Proved share of the settled ones; None if memory has its own start
     covered: float | None
 
 
@@ -117,7 +116,7 @@ def _starts(
     plane: tuple[int, int],
     circle: Vector,
 ) -> tuple[Vector, Callable[[Vector], bool] | None]:
-    """Return the outline of the proved starts in a plane, and whether a start is one of them."""
+    """Return the outline of the proved starts in a plane, and a test of a single start."""
     if not has_known_start(problem, loop):
         return np.zeros((0, 2)), None
     quadratic, linear, constant = start_quadric(problem, loop, region.p, plane)
@@ -129,8 +128,8 @@ def _starts(
 
 
 def _outline(quadratic: Vector, linear: Vector, constant: float, circle: Vector) -> Vector:
-    """Return the border of ``zᵀQz + l z + c ≤ 0``; no points where that is empty."""
-    # By completing the square; L⁻ᵀ with Q = L Lᵀ takes the unit circle to the border.
+    """Return the border of ``zᵀQz + l z + c ≤ 0``; no points if that is empty."""
+    # By completing the square; L⁻ᵀ with Q = L Lᵀ maps the unit circle to the border.
     centre = -0.5 * np.linalg.solve(quadratic, linear)
     level = -(constant + 0.5 * float(linear @ centre))
     if level <= 0.0:
@@ -146,7 +145,7 @@ def _at(rest: Vector, first: int, second: int, values: Vector) -> Vector:
 
 
 def _window(problem: LoopProblem, names: tuple[str, str], outline: Vector) -> Vector:
-    """Return half of the picture's width for each state: the sensors' range, not too far."""
+    """Return the half-width of the picture for each state: the sensors' range, within reason."""
     far = np.abs(outline).max(axis=0)
     ports = {name: port for (_, name), port in problem.site.interface.outputs.items()}
     window = []
@@ -179,7 +178,7 @@ def _state(problem: LoopProblem, run: Run, name: str) -> Vector:
 
 
 def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
-    """Tell whether a run covers 9/10 of its way to rest, or comes within 0.001 of the ranges."""
+    """Return whether a run covers 9/10 of its way to rest, or comes within 0.001 of the ranges."""
     run = _run(problem, states)
     if run.diverged is not None:
         return False

@@ -1,17 +1,16 @@
-r"""Planes through a rule base, kept cell by cell: a band for many sets of inputs at once.
+r"""Planes through a rule base, stored by cell: a band for many sets of inputs at once.
 
-The declared ranges are cut into cells once. Of each cell a plane and the proved band around it are
-kept, ``u - p·(x - c) in l .. h``, and so for cells that are twice, four times, … as long along each
-axis by itself. A set of inputs then meets a few cells, whatever its size. For any slopes k
+The declared ranges are cut into cells once. Each cell stores a plane and the proved band around it,
+``u - p·(x - c) in l .. h``, and so do cells that are twice, four times, … as long along each axis
+by itself. A set of inputs then meets a few cells, whatever its size. For any slopes k
 
-    u - k·x  in  -k·c + [l, h] + (p - k)·(x - c),    x in what of the cell the set may meet,
+    u - k·x  in  -k·c + [l, h] + (p - k)·(x - c),    x in the part of the cell that meets the set,
 
-so the band around a plane of the whole set is the hull over these cells. Which plane it is matters
-only for how wide the band becomes: least squares, drawn towards the largest distances (Lawson).
+so the band around a plane of the whole set is the hull over these cells. Any plane is sound; least
+squares, weighted towards the largest distances (Lawson), make the band narrow.
 
-Beyond the range of an input that is brought back into it, the surface goes on as it is at the end:
-an outer cell without an end, whose slope along that axis is 0. So nothing is given up for a limit
-of an input that some values of a set reach and others do not.
+Beyond the range of a clamped input the surface is constant along that axis: an unbounded outer cell
+with slope 0. So a set that reaches the clamp only in part loses nothing.
 """
 
 from __future__ import annotations
@@ -31,20 +30,20 @@ from fuzzyarm.proof.map.bernstein import Quotients
 Index = NDArray[np.int64]
 
 HALVINGS = {1: 9, 2: 6, 3: 4}
-"""By the number of inputs: how often a range is halved for the smallest cells."""
+"""Halvings of a range for the smallest cells, by the number of inputs."""
 
 AT_MOST = {1: 32, 2: 8, 3: 4}
-"""By the number of inputs: cells that a set may meet along each axis."""
+"""Most cells that a set may meet along each axis, by the number of inputs."""
 
 ROUNDS = 3
-"""Times that weights are drawn towards the largest distances."""
+"""Iterations of Lawson's weights."""
 
 OFF = 2.0**-42
-"""Share of the added magnitudes: 2,000 roundings, more than a band takes."""
+"""Error relative to the sum of magnitudes: 2,000 roundings, more than a band takes."""
 
 
 class Bands(NamedTuple):
-    """Of each set: between ``k·x + low`` and ``k·x + high``; shapes (sets, inputs), (sets,)."""
+    """For each set: ``k·x + low`` ≤ u ≤ ``k·x + high``; shapes (sets, inputs), (sets,)."""
 
     slopes: Vector
     low: Vector
@@ -52,10 +51,10 @@ class Bands(NamedTuple):
 
 
 class _Met(NamedTuple):
-    """The cells that sets may meet, those of each set side by side.
+    """The cells that sets may meet, those of one set side by side.
 
-    How many of each set; of each cell its number, the middle of what the set may meet of it and
-    half the widths of that, and where its plane is counted from.
+    The number of cells of each set; for each cell its index, centre and half-widths of the part
+    that the set may meet, and the origin of its plane.
     """
 
     counts: Index
@@ -65,7 +64,7 @@ class _Met(NamedTuple):
     home: Vector
 
     def part(self, which: NDArray[np.bool_]) -> _Met:
-        """Return some of the cells."""
+        """Return selected cells."""
         sets = np.repeat(np.arange(len(self.counts)), self.counts)[which]
         index = np.flatnonzero(which)
         return _Met(
@@ -81,14 +80,14 @@ class _Met(NamedTuple):
 
 @dataclass(frozen=True)
 class _Cells:
-    """Cells of one length for each axis, in the order of a grid; of each a plane and its band."""
+    """Cells of one length per axis, in the order of a grid, each with a plane and its band."""
 
     slopes: Vector  # (*shape, n)
     low: Vector  # (*shape)
     high: Vector
 
     def joined(self, axis: int, edges: Sequence[Vector]) -> _Cells:
-        """Return cells twice as long along an axis; `edges` of the cells as they are."""
+        """Return cells twice as long along an axis; `edges` are those of the present cells."""
         pick = [slice(None)] * self.low.ndim
         first, second = (_taken(self, pick, axis, start) for start in (0, 1))
         middles = 0.5 * edges[axis][1:] + 0.5 * edges[axis][:-1]
@@ -131,9 +130,9 @@ class PlaneGrid:
     low, high : ndarray, shape (inputs,)
         Of the cells.
     is_clamped : sequence of bool
-        By input: whether values beyond are brought back, so that the surface goes on level.
+        By input: whether values outside are clamped, so that the surface continues level.
     cells : callable
-        Gives slopes, least and largest distance of the smallest cells, by their edges.
+        From edges to slopes, least and largest distance of the smallest cells.
     """
 
     def __init__(
@@ -160,7 +159,7 @@ class PlaneGrid:
         )
         self._lows = np.concatenate([part.low.ravel() for part in self._stored])
         self._highs = np.concatenate([part.high.ravel() for part in self._stored])
-        # Edges of all levels behind one another, the outer ones at infinity.
+        # Edges of all levels concatenated, the outer ones at infinity.
         self._ends, self._begin = [], []
         for axis in range(self.size):
             rows = [np.concatenate([[-np.inf], e, [np.inf]]) for e in self.edges[axis]]
@@ -182,7 +181,7 @@ class PlaneGrid:
             self._stored.append(self._padded(kept[levels], levels))
 
     def _padded(self, cells: _Cells, levels: Sequence[int]) -> _Cells:
-        """Return cells with the outer ones: level along their axis from where the range ends."""
+        """Return cells with outer ones added: level along their axis beyond the range."""
         slopes, low, high = cells.slopes, cells.low, cells.high
         for axis, level in enumerate(levels):
             edges = self.edges[axis][level]
@@ -191,7 +190,7 @@ class PlaneGrid:
                 pick = [slice(None)] * self.size
                 pick[axis] = slice(index, index + 1 or None)
                 at = tuple(pick)
-                # The slope goes, and with it how far the end is from the middle of the cell.
+                # The slope becomes 0, and its share up to the end of the range moves into the band.
                 shift = slopes[at][..., axis] * (side * (edges[1] - edges[0]))
                 level_slopes = slopes[at].copy()
                 level_slopes[..., axis] = 0.0
@@ -207,7 +206,7 @@ class PlaneGrid:
     # ── questions ────────────────────────────────────────────────────────────────────
 
     def bands(self, centre: Vector, generators: Vector) -> Bands | None:
-        """Return a plane and the band around it of each set; None where one is not known.
+        """Return a plane and its band for each set; None if one is unknown.
 
         Sets have centres, shape (inputs, sets), and generators, shape (symbols, inputs, sets).
         """
@@ -216,7 +215,7 @@ class PlaneGrid:
 
     def _bands(self, centre: Vector, generators: Vector) -> Bands | None:
         radius = np.abs(generators).sum(axis=0) * (1.0 + 1e-12) + 1e-300
-        # Farther by more than an index or an edge can be rounded by.
+        # Wider by more than the rounding of an index or an edge.
         width = (self.high - self.low)[:, None]
         radius = radius + 1e-12 * (np.abs(centre) + width)
         met = self._met(centre - radius, centre + radius)
@@ -278,7 +277,7 @@ class PlaneGrid:
         low, high, home = np.empty((3, self.size, len(place)))
         for axis in reversed(range(self.size)):
             place, step = np.divmod(place, spread(counts[axis]))
-            cell = spread(begins[axis]) + step + 1  # 0 is the outer one
+            cell = spread(begins[axis]) + step + 1  # 0 is the outer cell
             flat = flat + length * cell
             length = length * spread((number >> levels[axis]) + 2)
             at = spread(self._begin[axis][levels[axis]]) + cell
@@ -292,7 +291,7 @@ class PlaneGrid:
         return met.part(np.asarray((met.half >= 0.0).all(axis=0)))
 
     def _near(self, met: _Met, centre: Vector, generators: Vector) -> NDArray[np.bool_]:
-        """Tell which parts of cells a set may meet, by the axes of its generators."""
+        """Return which parts of cells a set may meet: separation along its principal axes."""
         keep = np.ones(len(met.cell), dtype=bool)
         if self.size == 1:
             return keep
@@ -314,7 +313,7 @@ class PlaneGrid:
 
 
 def _coarser(index: Index, level: Index, number: int) -> Index:
-    """Return the cell of a coarser level that holds a smallest one; the outer ones stay outer."""
+    """Return the coarser cell that contains a smallest one; outer ones stay outer."""
     inner = np.clip(index, 0, number - 1) >> level
     return np.where(index < 0, -1, np.where(index >= number, number >> level, inner))
 
@@ -322,9 +321,9 @@ def _coarser(index: Index, level: Index, number: int) -> Index:
 def _fitted(
     begins: Index, weight: Vector, places: Vector, half: Vector, value: Vector, steep: Vector
 ) -> tuple[Vector, Vector]:
-    """Return slopes and the value at 0 of planes near some cells, by least squares over them.
+    """Return slopes and value at 0 of planes near cells, by least squares over their area.
 
-    Cells of one set are side by side; `begins` has the first of each.
+    Cells of one set are side by side; `begins` has the index of the first.
     """
     n, count = len(places), len(begins)
 
@@ -338,7 +337,7 @@ def _fitted(
     right[:, n] = total(value)
     for i in range(n):
         rows[:, i, n] = rows[:, n, i] = total(places[i])
-        # Over a box of half the width h the mean of x² is c² + h²/3, of x u it is c u + s h²/3.
+        # Over a box of half-width h the mean of x² is c² + h²/3, that of x u is c u + s h²/3.
         thick = half[i] * half[i] / 3.0
         right[:, i] = total(value * places[i] + steep[i] * thick)
         for j in range(i + 1):
@@ -361,7 +360,7 @@ def cells_of(
 ) -> tuple[Vector, Vector, Vector]:
     """Return slopes, least and largest distance of cells, from the pieces of a rule base.
 
-    The pieces have vertices in the inputs themselves. The functions are of
+    The pieces have vertices in input coordinates. The functions are from
     :mod:`fuzzyarm.proof.loop.planes`: the parts on one side of a plane, the values at the vertices,
     and the band around a plane by its slopes, its centre and its value there.
     """
@@ -412,7 +411,7 @@ def cells_of(
     least, most = np.full(number, np.inf), np.full(number, -np.inf)
     np.minimum.at(least, part.owner, lows)
     np.maximum.at(most, part.owner, highs)
-    empty = least > most  # no piece: nothing is known
+    empty = least > most  # no piece: unknown
     least, most = np.where(empty, -np.inf, least + at), np.where(empty, np.inf, most + at)
     more = OFF * (np.abs(at) + np.abs(least))
     return (
@@ -421,7 +420,7 @@ def cells_of(
 
 
 def _spread_out(pieces: Quotients, edges: Sequence[Vector], shape: tuple[int, ...]) -> Quotients:
-    """Return each piece once for each cell that it may meet, which becomes its owner."""
+    """Return each piece once for each cell that it may meet, with the cell as owner."""
     firsts, counts = [], []
     for axis, row in enumerate(edges):
         wide = (row[-1] - row[0]) / shape[axis]

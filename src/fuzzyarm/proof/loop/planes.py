@@ -2,8 +2,8 @@ r"""Rule bases and tables over a zonotope: a plane through their values, and the
 
 An output u of a rule base is a quotient of polynomials on each of its pieces
 (:mod:`fuzzyarm.proof.map.surface`), which are cut once. Over a set of inputs the plane k·x + d is
-chosen by least squares, then drawn towards the largest distances (Lawson's weights); whichever it
-is, the band around it is proved: on a piece with vertices vⱼ
+fitted by least squares, then reweighted towards the largest distances (Lawson); for any plane the
+band around it is proved: on a piece with vertices vⱼ
 
     u - k·x - d  =  (N - L D) / D,      L = k·x + d - centre, with the values Lⱼ at the vertices,
 
@@ -11,8 +11,8 @@ whose Bernstein coefficients are averages of those of N and D,
 
     (N - L D)_γ = Σⱼ γⱼ / (n+1) · (N - Lⱼ D)_{γ - eⱼ},   |γ| = n + 1,
 
-and no value is beyond the largest quotient of coefficients. Pieces are cut at the faces of the box
-around the set, and halved where that makes the band narrower.
+and no value exceeds the largest quotient of coefficients. Pieces are cut at the faces of the box
+around the set, and halved where that narrows the band.
 
 A table is linear in each input on each cell of its grid: u - k·x has its extremes at the corners.
 
@@ -43,23 +43,23 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
 ROUNDS = 4
-"""Times that pieces are halved for one question at most."""
+"""Most halvings of pieces for one band."""
 
 MOST = 3000
-"""Pieces that one question may have."""
+"""Most pieces for one band."""
 
 SHARE = 0.1
-"""Share of the width of a band: the gain that one more halving must promise."""
+"""Least gain of one more halving, as a share of the band's width."""
 
 OFF = 2.0**-44
-"""Of the largest coefficient of a piece: 500 roundings, more than cutting and halving it take."""
+"""Error relative to a piece's largest coefficient: 500 roundings, more than cutting and halving."""
 
 BEYOND = 1e-9
-"""Of the width of a box: how far outside it pieces are cut, so that no rounding leaves a gap."""
+"""Margin of cuts outside a box, relative to its width, so that no rounding leaves a gap."""
 
 
 MOST_CORNERS = 1_000_000
-"""Corners of cells of a table within one set of inputs."""
+"""Most corners of a table's cells within one set of inputs."""
 
 
 class Zonotope(NamedTuple):
@@ -70,12 +70,12 @@ class Zonotope(NamedTuple):
 
     @property
     def radius(self) -> Vector:
-        """Half the widths of the box around it."""
+        """The half-widths of its bounding box."""
         return np.asarray(np.abs(self.generators).sum(axis=1) * (1.0 + 1e-12) + 1e-300)
 
 
 class PlaneBand(NamedTuple):
-    """Between which planes a value lies: ``k·x + low`` and ``k·x + high``."""
+    """Parallel planes around a value: ``k·x + low`` and ``k·x + high``."""
 
     slopes: Vector
     low: float
@@ -87,9 +87,9 @@ class PlaneBand(NamedTuple):
 
 @cache
 def _raised(dimension: int, degree: int) -> tuple[Any, Any]:
-    """Return, for each coefficient one degree higher and each vertex, its source and share.
+    """Return sources and weights of degree elevation, for each new coefficient and vertex.
 
-    Shapes (coefficients, vertices): the coefficient below, and γⱼ / (n + 1), 0 where there is none.
+    Shapes (coefficients, vertices): the index of γ − eⱼ, and γⱼ / (n + 1), 0 where there is none.
     """
     below = {index: i for i, index in enumerate(lattice(dimension, degree))}
     above = lattice(dimension, degree + 1)
@@ -108,7 +108,7 @@ def _raised(dimension: int, degree: int) -> tuple[Any, Any]:
 class _WholeCut(NamedTuple):
     """All pieces over a box.
 
-    `least` and `most` are the ends of each piece, `middle` is what values are counted from; where
+    `least` and `most` are the bounds of each piece, `middle` is the origin of values; if
     `is_silent`, some points of the box may have no value.
     """
 
@@ -122,17 +122,17 @@ class _WholeCut(NamedTuple):
 
 
 class RulePlanes:
-    """One output of a rule base, cut once and asked often.
+    """One output of a rule base, cut once and evaluated often.
 
-    Pieces are those of the declared ranges, and of more as soon as a set goes beyond the range of
-    an input that is taken as it is there (``outside extend``), or that has no end.
+    Pieces cover the declared ranges, and more as soon as a set exceeds the range of an input that
+    is not clamped (``outside extend``), or is unbounded.
 
     Parameters
     ----------
     rulebase : RuleBase
         The model.
     output : str
-        Which output.
+        Name of the output.
     """
 
     def __init__(self, rulebase: RuleBase, output: str) -> None:
@@ -146,23 +146,23 @@ class RulePlanes:
 
     @property
     def has_pieces(self) -> bool:
-        """Whether it is made of straight pieces; otherwise only its range over a box is known."""
+        """Whether the output is piecewise; otherwise only its range over a box is known."""
         return self.prover.model is not None
 
     @property
     def range(self) -> tuple[float, float]:
-        """The range of all values; infinite where nothing is known."""
+        """The range of all values; infinite if unknown."""
         output = self.prover.output
         return (output.low, output.high) if self.prover.stays_inside else (-math.inf, math.inf)
 
     @property
     def clamps(self) -> bool:
-        """Whether the value is brought into the range of the output, which it may leave."""
+        """Whether values outside the output's range are clamped."""
         model = self.prover.model
         free = model is not None and not math.isfinite(float(model.low))
         return free and self.prover.output.outside == "clamp"
 
-    # --- pieces, and where there is a value ---
+    # --- pieces, and the domain ---
 
     def _within_ranges(self, low: Vector, high: Vector) -> tuple[Vector, Vector]:
         """Return the part of a box that inputs can reach: all of it for inputs without a clamp."""
@@ -174,14 +174,14 @@ class RulePlanes:
         return np.clip(low, least, most), np.clip(high, least, most)
 
     def _whole(self, low: Vector, high: Vector) -> _WholeCut:
-        """Return all pieces over a box that holds the given one."""
+        """Return all pieces over a box that contains the given one."""
         cut = self._cut
         if cut is None or (low < cut.low).any() or (high > cut.high).any():
             self._cut = cut = self._newly_cut(*self._grown(low, high))
         return cut
 
     def _grown(self, low: Vector, high: Vector) -> tuple[Vector, Vector]:
-        """Return a box to be cut: the declared one, and twice as wide as what goes beyond it."""
+        """Return a box to be cut: the declared one, and twice the width of any excess over it."""
         lows, highs = [], []
         before = self._cut
         for axis, variable in enumerate(self.prover.inputs):
@@ -232,14 +232,14 @@ class RulePlanes:
 
     @cached_property
     def _has_value(self) -> bool:
-        """Whether there is a value all over the declared ranges, as far as that is known."""
+        """Whether there is a value all over the declared ranges, as far as known."""
         try:
             return self.prover.without_value({}) is None
         except UnprovableError:
             return False
 
     def _is_silent(self, low: Vector, high: Vector) -> bool:
-        """Tell whether the value for no rule may count in a box; refuse one without a value."""
+        """Return whether the value for no rule may occur in a box; refuse one without a value."""
         declared = [(variable.low, variable.high) for variable in self.prover.inputs]
         inside = all(a >= x and b <= y for a, b, (x, y) in zip(low, high, declared, strict=True))
         if inside and self._has_value:
@@ -253,7 +253,7 @@ class RulePlanes:
 
     @cached_property
     def grid(self) -> PlaneGrid | None:
-        """The planes of its cells, for many sets at once; None where it cannot be cut into them."""
+        """The planes of its cells, for many sets at once; None if it cannot be cut into them."""
         inputs = self.prover.inputs
         ends = np.array([(variable.low, variable.high) for variable in inputs])
         if len(ends) not in HALVINGS or not (self.has_pieces and np.isfinite(ends).all()):
@@ -282,9 +282,9 @@ class RulePlanes:
     def band(self, inputs: Zonotope) -> PlaneBand:
         """Return a plane and the band around it over a set of inputs.
 
-        Inputs whose range is not left lie in it, whatever their zonotope says. EnclosureError:
-        there may be no value somewhere, or no bound is known; UnprovableError: nothing is proved of
-        it.
+        Inputs that never leave their range lie in it, even if their zonotope exceeds it.
+        EnclosureError: a point may have no value, or no bound is known; UnprovableError: no proof
+        covers the rule base.
         """
         centre, radius = inputs.centre, inputs.radius
         low, high = self._within_ranges(centre - radius, centre + radius)
@@ -312,7 +312,7 @@ class RulePlanes:
             if not deciding.any():
                 break
             part = pieces.take(np.flatnonzero(deciding))
-            part.corners = part.corners / radius  # the longest edge is that of the box
+            part.corners = part.corners / radius  # the longest edge is relative to the box
             halves = part.halved(Stop())
             halves.corners = halves.corners * radius
             pieces = pieces.take(np.flatnonzero(~deciding)).joined(self._near(halves, inputs))
@@ -330,7 +330,7 @@ class RulePlanes:
             if not math.isfinite(ends[1] - ends[0]):
                 raise EnclosureError(f"'{self.output}' has no bound here")
             return PlaneBand(np.zeros_like(slopes), *ends)
-        # k·(x - c) + offset, written as k·x: the products are rounded.
+        # k·(x - c) + offset, rewritten as k·x + d: the products are rounded.
         shift = offset - float(slopes @ centre)
         size = abs(offset) + float(np.abs(slopes) @ (np.abs(centre) + radius))
         more = WIDENED * (self.prover.range + size) + OFF * (abs(low) + abs(high))
@@ -344,7 +344,7 @@ class RulePlanes:
         return PlaneBand(np.zeros(len(low)), bounds.low, bounds.high)
 
     def _near(self, pieces: Quotients, inputs: Zonotope) -> Quotients:
-        """Return the pieces that a set may meet: along its axes and those of its box."""
+        """Return the pieces that a set may meet: separation along its axes and those of its box."""
         radius = inputs.radius
         scaled = inputs.generators / radius[:, None]
         axes = [*np.eye(len(radius))]
@@ -352,7 +352,7 @@ class RulePlanes:
             axes += [*np.linalg.eigh(scaled @ scaled.T)[1].T]
         keep = np.ones(pieces.count, dtype=bool)
         for axis in axes:
-            # Any direction separates, so it matters little how exact it is.
+            # Any separating direction is sound, so its accuracy matters little.
             way = axis / radius
             shares = (pieces.corners - inputs.centre) @ way
             reach = np.abs(way @ inputs.generators).sum() * (1.0 + 1e-9) + 1e-9
@@ -362,7 +362,7 @@ class RulePlanes:
 
     @staticmethod
     def _values(pieces: Quotients, middle: float) -> Vector:
-        """Return the values at the vertices, NaN where nothing fires."""
+        """Return the values at the vertices, NaN where no rule fires."""
         at = list(vertices_of(pieces.corners.shape[2], pieces.degree))
         upper, lower = pieces.upper[:, at], pieces.lower[:, at]
         return np.asarray(
@@ -372,7 +372,7 @@ class RulePlanes:
     def _plane(
         self, pieces: Quotients, centre: Vector, radius: Vector, middle: float
     ) -> tuple[Vector, float]:
-        """Return slopes and the value at the centre of a plane near the values."""
+        """Return slopes and centre value of a plane near the values."""
         values = self._values(pieces, middle).ravel()
         places = ((pieces.corners - centre) / radius).reshape(-1, len(centre))
         finite = np.isfinite(values)
@@ -381,8 +381,7 @@ class RulePlanes:
         if not len(values):
             return np.zeros(len(centre)), middle
         rows = np.column_stack([places, np.ones(len(places))])
-        # Lawson: weights grow with the gaps. How near it comes matters only for how wide the band
-        # is.
+        # Lawson: weights grow with the gaps. Convergence only affects the width of the band.
         for _ in range(4):
             root = np.sqrt(weights)
             solution = np.linalg.lstsq(rows * root[:, None], values * root, rcond=1e-9)[0]
@@ -398,7 +397,7 @@ class RulePlanes:
         self, pieces: Quotients, slopes: Vector, offset: float, centre: Vector, middle: float,
         lows: Vector, highs: Vector,
     ) -> NDArray[np.bool_]:  # fmt: skip
-        """Tell the pieces that make the band wide and of which halves may be narrower."""
+        """Return the pieces that make the band wide and whose halves may narrow it."""
         low, high = float(lows.min()), float(highs.max())
         if not (math.isfinite(low) and math.isfinite(high)):
             return np.asarray(~(np.isfinite(lows) & np.isfinite(highs)))
@@ -413,9 +412,9 @@ class RulePlanes:
 
 
 def _bands(pieces: Quotients, planes: Vector, tilt: Vector) -> tuple[Vector, Vector]:
-    """Return for each piece between what the value less the plane lies.
+    """Return for each piece bounds of the value minus the plane.
 
-    `planes` at the vertices; `tilt` is what a plane moves by where a corner is off by its size.
+    `planes`: its values at the vertices; `tilt`: its change for a relative error of a corner.
     """
     sources, shares = _raised(pieces.corners.shape[2], pieces.degree)
     # N − k D with a plane k has the degree n + 1 and the coefficients Σⱼ γⱼ/(n + 1) (N − kⱼ D),
@@ -428,7 +427,7 @@ def _bands(pieces: Quotients, planes: Vector, tilt: Vector) -> tuple[Vector, Vec
     below = (lower * shares).sum(axis=2)
     off_below = (error * shares).sum(axis=2) + OFF * np.abs(below)
     sizes = ((np.abs(upper) + tall * np.abs(lower)) * shares).sum(axis=2)
-    # How far a corner is off moves the plane: a share of the sizes again.
+    # Errors of corners move the plane: again relative to the magnitudes.
     off = ((pieces.reach + tall) * error * shares).sum(axis=2) + OFF * (
         sizes + tilt[:, None] * below
     )
@@ -437,14 +436,14 @@ def _bands(pieces: Quotients, planes: Vector, tilt: Vector) -> tuple[Vector, Vec
     with np.errstate(all="ignore"):
         highs = np.where(room > 0, top / np.where(top > 0, room, more), np.inf)
         lows = np.where(room > 0, bottom / np.where(bottom < 0, room, more), -np.inf)
-    # Where all coefficients of the area are 0 and known to be, there is nothing of the piece.
+    # If all coefficients of the area are exactly 0, the piece has no values.
     highs, lows = highs.max(axis=1), lows.min(axis=1)
     return lows - OFF * np.abs(lows), highs + OFF * np.abs(highs)
 
 
 @cache
 def _moves(dimension: int, degree: int) -> list[tuple[Any, Any]]:
-    """Return, pass by pass, which coefficients change as vertex 1 moves towards 0, and by which.
+    """Return by pass the coefficients that change as vertex 1 moves towards 0, and their sources.
 
     With the new vertex (1-s) v₀ + s v₁ instead of v₁: c_γ ← (1-s) c_{γ - e₁ + e₀} + s c_γ, for
     all γ₁ ≥ r, for r = 1 … n (de Casteljau).
@@ -461,9 +460,9 @@ def _moves(dimension: int, degree: int) -> list[tuple[Any, Any]]:
 
 @cache
 def _orders(dimension: int, degree: int) -> tuple[Any, Any]:
-    """Return the coefficients in the order in which two vertices come first, and the way back.
+    """Return the permutations that bring two vertices to the front, and their inverses.
 
-    By the number ``i (d + 1) + j`` of the first two, i and j.
+    By the index ``i (d + 1) + j`` of the vertices i and j.
     """
     indices = lattice(dimension, degree)
     number = {index: k for k, index in enumerate(indices)}
@@ -482,7 +481,7 @@ def _orders(dimension: int, degree: int) -> tuple[Any, Any]:
 
 
 def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
-    """Return the parts of pieces on which a linear function is not positive, given at vertices."""
+    """Return the parts of pieces with a linear function ≤ 0, given at vertices."""
     parts: list[Quotients] = []
     while pieces.count:
         low, high = heights.min(axis=1), heights.max(axis=1)
@@ -509,7 +508,7 @@ def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
 def _moved(
     pieces: Quotients, heights: Vector, stays: Vector, moves: Vector, share: Vector
 ) -> tuple[Quotients, Vector]:
-    """Return pieces with one vertex moved along an edge to where a linear function is 0."""
+    """Return pieces with one vertex moved along an edge to the zero of a linear function."""
     dimension = pieces.corners.shape[2]
     every = np.arange(pieces.count)
     s = share[:, None]
@@ -536,7 +535,7 @@ def _moved(
 def _clipped(pieces: Quotients, centre: Vector, radius: Vector) -> Quotients:
     """Return the parts of pieces within a box."""
     for axis in range(len(centre)):
-        # More than what is taken for touching, whatever the size of a piece.
+        # More than the tolerance of touching, whatever the size of a piece.
         largest = float(np.abs(pieces.corners[:, :, axis]).max(initial=0.0)) + abs(centre[axis])
         reach = radius[axis] * (1.0 + BEYOND) + 1e-12 * largest
         for sign in (1.0, -1.0):
@@ -551,7 +550,7 @@ def _clipped(pieces: Quotients, centre: Vector, radius: Vector) -> Quotients:
 
 @dataclass(frozen=True, eq=False)
 class TablePlanes:
-    """A lookup table, asked often.
+    """A lookup table, evaluated often.
 
     Parameters
     ----------
@@ -572,7 +571,7 @@ class TablePlanes:
             self._stretches(axis, mode, float(a), float(b))
             for axis, a, b in zip(table.axes, low, high, strict=True)
         ]
-        # Each of 2ⁿ corners of a cell is interpolated from 2ⁿ of the table.
+        # Each of the 2ⁿ corners of a cell is interpolated from 2ⁿ of the table.
         count = math.prod(map(len, stretches)) << 2 * len(stretches)
         if count > MOST_CORNERS:
             raise EnclosureError(f"a set of inputs covers too many cells of '{table.output}'")
@@ -590,7 +589,7 @@ class TablePlanes:
         return PlaneBand(slopes, float(gaps.min()) - more, float(gaps.max()) + more)
 
     def _value(self, parts: Any, ends: Any) -> float:
-        """Return the table's value at a corner of a cell, from within the cell."""
+        """Return the table's value at a corner of a cell, from inside the cell."""
         total = 0.0
         for nodes in product((0, 1), repeat=len(parts)):
             share = math.prod(
@@ -604,7 +603,7 @@ class TablePlanes:
 
     @staticmethod
     def _stretches(axis: Any, mode: str, low: float, high: float) -> list[_Stretch]:
-        """Return the stretches of an axis on which the table is one formula."""
+        """Return the parts of an axis on which the table is one formula."""
         levels = list(axis.levels)
         if mode != "linear":
             cuts = [-math.inf, *axis.thresholds(mode), math.inf]
@@ -630,7 +629,7 @@ class TablePlanes:
 
 
 class _Stretch(NamedTuple):
-    """Part of an axis: from where to where, between which levels, and how far between them."""
+    """Part of an axis: its ends, the levels around it, and the relative positions between them."""
 
     places: tuple[float, float]
     nodes: tuple[int, int]

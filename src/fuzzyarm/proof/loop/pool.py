@@ -1,9 +1,8 @@
-"""Boxes of starts that are followed side by side, each from its own first period on.
+"""A pool of boxes of starts, followed side by side, each from its own first period on.
 
-A pool takes boxes in as others leave, so that as many are followed at once as arrays are good for.
-A box leaves when it has **arrived** at the goal, when all of its runs are **lost** (beyond the
-bound of a port, or without a value), or when it is given up: it comes no nearer, it cannot be
-enclosed any more, or it was followed long enough.
+The pool admits boxes as others leave, to keep arrays at an efficient size. A box leaves when it has
+**arrived** at the goal, when all of its runs are **lost** (beyond the bound of a port, or without a
+value), or when it is given up: it stalls, has no enclosure, or exceeds the horizon.
 """
 
 from __future__ import annotations
@@ -32,29 +31,29 @@ Flags = NDArray[np.bool_]
 ARRIVED, LOST, GIVEN_UP = "arrived", "lost", "given up"
 
 SYMBOLS = 12
-"""Symbols for each state, beside those of the starts."""
+"""Symbols per state, besides those of the starts."""
 
 SIDE_BY_SIDE = 1024
-"""Boxes that are followed at once."""
+"""Boxes followed at once."""
 
 AT_LEAST = 256
-"""Boxes that are taken in at once, while there are as many."""
+"""Boxes admitted at once, if there are as many."""
 
 SPLIT, HARMLESS, MOST_HALVINGS = 0.5, 0.7, 14
-"""A box is halved on its way where what is not due to its starts is more than a share of the width
-that it had at first, and more than so much of the goal; and how often in all."""
+"""A box is halved on its way if the width not due to its starts exceeds the first of these times
+its initial width, and the second times the goal; the third is the most halvings in all."""
 
 MOST_CUTS = 3
-"""Times that a box is halved on its way: what is not due to its starts has added up until then."""
+"""Most halvings of a box on its way, by when width not due to its starts has accumulated."""
 
 UNCUT = 1.2
-"""The same share of the goal where boxes are not cut on their way, but given up."""
+"""The same share of the goal for boxes given up instead of halved."""
 
 HOPELESS = 2.0
-"""Times what is due to the starts, that all else may be in a box that is halved on its way."""
+"""Largest ratio of other width to width due to the starts, in a box halved on its way."""
 
 Goal = Callable[[Forms, Mapping[str, Number], int], Nearness]
-"""Tells of states, memory and the number of dimensions."""
+"""From states, memory and the number of dimensions to the distance from the goal."""
 
 
 class Fate(NamedTuple):
@@ -77,13 +76,13 @@ class _Swarm:
     memory: dict[str, Number]
     boxes: list[Box]
     ages: NDArray[np.int64]
-    doubtful: NDArray[np.int64]  # since when a run may have been beyond a bound; 0: none was
+    doubtful: NDArray[np.int64]  # since when a run may be beyond a bound; 0: never
     weight: Vector  # (dimensions, boxes)
-    cuts: NDArray[np.int64]  # how often a box was halved on its way
+    cuts: NDArray[np.int64]  # halvings of a box on its way
     width: Vector  # in its first period, in units of the goal
 
     def part(self, which: NDArray[np.int64]) -> _Swarm:
-        """Return some of them."""
+        """Return selected boxes."""
         return _Swarm(
             self.states[:, which],
             {name: forms[which] for name, forms in self.constants.items()},
@@ -97,7 +96,7 @@ class _Swarm:
         )
 
     def joined(self, other: _Swarm) -> _Swarm:
-        """Return both."""
+        """Return the union."""
         if not self.boxes or not other.boxes:
             return self if self.boxes else other
         sizes = len(self.boxes), len(other.boxes)
@@ -133,11 +132,11 @@ class Pool:
     problem : LoopProblem
         The loop; its start is the window.
     goal : callable
-        Tells how near boxes are.
+        Distance of boxes from the destination.
     horizon : int
         Periods after which a box is given up.
     stop : Stop
-        When to give up.
+        The time budget.
     """
 
     def __init__(self, problem: LoopProblem, goal: Goal, horizon: int, stop: Stop) -> None:
@@ -162,12 +161,13 @@ class Pool:
     def follow(
         self, boxes: Callable[[int], Sequence[Box]], done: Callable[[Sequence[Fate]], None]
     ) -> list[Box]:
-        """Follow boxes until there are none, or time is over; return those on their way.
+        """Follow boxes until none is left or time is over; return those on their way.
 
-        `boxes` gives at most so many. `done` is told of those that leave, and may have made others.
+        `boxes(n)` gives at most n. `done` receives the fates of those that leave, and may add
+        boxes.
         """
         swarm: _Swarm | None = None
-        with np.errstate(all="ignore"):  # non-finite boxes are refused in each period
+        with np.errstate(all="ignore"):  # non-finite boxes are rejected in each period
             while not self.stop.now:
                 here = 0 if swarm is None else len(swarm.boxes)
                 if here <= SIDE_BY_SIDE - AT_LEAST:
@@ -186,7 +186,7 @@ class Pool:
         return [] if swarm is None else swarm.boxes
 
     def restart(self, stop: Stop) -> None:
-        """Work until another time."""
+        """Continue with another time budget."""
         self.stop = self.follower.stop = stop
 
     def _begun(self, boxes: Sequence[Box]) -> tuple[_Swarm, list[Fate]]:
@@ -206,7 +206,7 @@ class Pool:
         return self._advanced(swarm, first=True)
 
     def _advanced(self, swarm: _Swarm, *, first: bool) -> tuple[_Swarm, list[Fate]]:
-        """Return boxes a period later, and the outcomes of those that leave."""
+        """Return boxes one period later, and the fates of those that leave."""
         follower = self.follower
         batch = len(swarm.boxes)
         algebra, control = self._control(batch)
@@ -248,12 +248,12 @@ class Pool:
     def _moved(
         self, states: Forms, constants: Mapping[str, Forms], drives: Mapping[str, Forms]
     ) -> Forms:
-        """Return the states a period later; of sets of which nothing is known without a bound."""
+        """Return the states one period later; unbounded for sets without an enclosure."""
         inputs = stacked([drives[name] for name in self.follower.inputs])
         if self.mean is not None:
             try:
                 ends = self.mean.ends(states, inputs)
-            except LoopProofError:  # the checker knows no slopes of the equations
+            except LoopProofError:  # the checker has no slopes of the equations
                 self.mean = None
         if self.mean is None:
             everything = {**constants, **drives}
@@ -272,7 +272,7 @@ class Pool:
         return joined(ends[:, known], step.end, -1)[:, order]
 
     def _apart(self, swarm: _Swarm, *, first: bool) -> tuple[_Swarm, list[Fate]]:
-        """Return two halves, each a period later: one of the boxes is at fault."""
+        """Return two halves of the swarm, each one period later: one of the boxes fails."""
         middle = len(swarm.boxes) // 2
         every = np.arange(len(swarm.boxes))
         one, fates = self._advanced(swarm.part(every[:middle]), first=first)
@@ -308,7 +308,7 @@ class Pool:
         swarm.doubtful = np.where((swarm.doubtful == 0) & over, swarm.ages, swarm.doubtful)
         doubtful = swarm.doubtful > 0
         arrived = np.asarray((near.value <= 1.0) & ~doubtful & ~lost)
-        # Those that may have left a bound, and have not all left it soon after, are halved.
+        # Boxes that may have left a bound, and are not wholly beyond it soon after, are halved.
         old = (swarm.ages >= self.horizon) | (
             doubtful & (swarm.ages > swarm.doubtful + swarm.doubtful // 4 + 16)
         )
@@ -354,7 +354,7 @@ class Pool:
         return stays, fates
 
     def _halved(self, swarm: _Swarm) -> _Swarm:
-        """Return both halves of each box, where they are by now."""
+        """Return both halves of each box, at their present states."""
         ways = np.array(
             [self.dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)]
         )
@@ -377,12 +377,12 @@ class Pool:
         return halves[0].joined(halves[1])
 
     def dimension(self, box: Box, weight: Vector) -> int:
-        """Return the dimension to halve: the one that makes the box widest."""
+        """Return the dimension to halve: the one that contributes most to the width."""
         return int(np.argmax(weight + 1e-3 * weight.sum() * 0.5 ** np.array(box.halvings)))
 
 
 def _narrowed(x: Forms, symbols_of: NDArray[np.int64], sign: float) -> Forms:
-    """Return forms on one half of a symbol of each box: ε is ± ½ + ½ ε' there."""
+    """Return forms on one half of a symbol of each box: ε = ± ½ + ½ ε'."""
     every = np.arange(len(symbols_of))
     index = (symbols_of, ..., every)
     if len(x.parts) <= int(symbols_of.max()):

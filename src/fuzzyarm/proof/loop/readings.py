@@ -1,8 +1,8 @@
-"""Expressions over affine forms: what each operation is there, and what is not read.
+"""Expressions over affine forms: the reading of each operation.
 
-Smooth functions are those of :mod:`.zonotope`; powers and choices are written in other operations,
-and what cannot be is refused by name. A condition is an interval of 0 and 1, and a choice by one
-that is open holds both of its branches.
+Smooth functions are those of :mod:`.zonotope`; powers and choices are rewritten in other
+operations, or refused by name. A condition is an interval of 0 and 1, and an undecided choice
+contains both of its branches.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ from fuzzyarm.symbolic.nodes import (
 
 
 class UnenclosedError(FuzzyarmError, ValueError):
-    """An expression has an operation of which nothing is enclosed; the message names it."""
+    """An expression has an operation without an enclosure; the message names it."""
 
 
 # ── readable operations ──────────────────────────────────────────────────────────────
 
 
 def readable(root: Node) -> Node:
-    """Return an expression in the operations that forms have."""
+    """Return an expression in the operations over forms."""
     nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if not isinstance(node, Apply):
@@ -52,7 +52,7 @@ def readable(root: Node) -> Node:
 
 
 def may_jump(root: Node) -> bool:
-    """Whether an expression has a choice, condition or step on symbols, which slopes do not see."""
+    """Return whether an expression has a choice, condition or step, invisible to slopes."""
     return any(
         isinstance(node, Apply) and node.operation in JUMPS and bool(symbols(node))
         for node in postorder(root)
@@ -60,9 +60,9 @@ def may_jump(root: Node) -> bool:
 
 
 def is_total(root: Node) -> bool:
-    """Whether sums, products and quotients by numbers alone make an expression.
+    """Return whether an expression has only sums, products and quotients by numbers.
 
-    Such an expression has a value everywhere. ``0 * sqrt(x)`` has the slope 0, and none below 0.
+    Such an expression has a value everywhere, unlike ``0 * sqrt(x)``, whose slope is 0.
     """
     return all(
         not isinstance(node, Apply)
@@ -74,7 +74,7 @@ def is_total(root: Node) -> bool:
 
 
 def takes_condition(root: Node) -> bool:
-    """Whether an open condition is taken for a number, as in ``5 * (x > 0.1)``."""
+    """Return whether an undecided condition is used as a number, as in ``5 * (x > 0.1)``."""
 
     def is_condition(node: Node) -> bool:
         return isinstance(node, Apply) and node.operation in CONDITIONS and bool(symbols(node))
@@ -89,7 +89,7 @@ def takes_condition(root: Node) -> bool:
 def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
     """Return an expression with numbers for some symbols, without the branches that these rule out.
 
-    Arithmetic is left as it is, for it would be rounded: options and gains choose, forms count.
+    Arithmetic is not folded, since it would be rounded: numbers only decide choices.
     """
     nodes: dict[Node, Node] = {}
     root = replace(root, numbers)
@@ -101,7 +101,7 @@ def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
         rewritten: Node = apply(node.operation, *arguments)
         if node.operation in CONDITIONS:
             known = specialise(rewritten, {})
-            # An open comparison keeps its arguments, by which a choice is seen to be a limit.
+            # An undecided comparison keeps its arguments, which identify a choice as a limit.
             if isinstance(known, Constant) or node.operation not in ("less", "less_equal"):
                 rewritten = known
         elif node.operation == "where" and isinstance(arguments[0], Constant):
@@ -115,7 +115,7 @@ def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
 
 
 def _without_infinite(node: Node) -> Node:
-    """Return the other of two where one is a limit that there is not."""
+    """Return the other operand of a minimum or maximum with an infinite limit."""
     if isinstance(node, Apply) and node.operation in ("minimum", "maximum"):
         absent = math.inf if node.operation == "minimum" else -math.inf
         for branch, other in (node.arguments, node.arguments[::-1]):
@@ -135,7 +135,7 @@ def _rewritten(operation: str, arguments: tuple[Node, ...]) -> Node:
 
 
 def _choice(condition: Node, then: Node, otherwise: Node) -> Node:
-    """Return a choice; the smaller or the larger of two where it is that."""
+    """Return a choice; as a minimum or maximum if it is one."""
     if isinstance(condition, Apply) and condition.operation in ("less", "less_equal"):
         if condition.arguments == (then, otherwise):
             return apply("minimum", then, otherwise)
@@ -160,7 +160,7 @@ def _power(base: Node, exponent: Node) -> Node:
 
 # ── conditions: intervals of 0 and 1 ─────────────────────────────────────────────────
 #
-# Of forms that are not numbers a condition is open: what is possible is what is not excluded.
+# Over forms a condition may be undecided: possible is whatever is not excluded.
 
 
 def _less(a: Forms, b: Forms) -> Intervals:
@@ -189,17 +189,17 @@ CONDITIONS: dict[str, Callable[..., Intervals]] = {
     "either": lambda a, b: Intervals(np.maximum(a.low, b.low), np.maximum(a.high, b.high)),
     "negation": lambda a: Intervals(1.0 - a.high, 1.0 - a.low),
 }
-"""Conditions over forms, or over the conditions that they join."""
+"""Conditions over forms, or over other conditions."""
 
 
 def choice_of(condition: Intervals, then: Forms, otherwise: Forms) -> Forms:
-    """Return a choice; where the condition is open, the hull of both branches."""
+    """Return a choice; for an undecided condition the hull of both branches."""
     yes, no = condition.low > 0.0, condition.high < 1.0
     if yes.all():
         return then
     if no.all():
         return otherwise
-    # An open condition: the mean of both branches ± half of their difference.
+    # Undecided: the mean of both branches ± half of their difference.
     half = (then - otherwise).scaled(0.5)
     middle = then - half
     both = Forms(middle.centre, middle.parts, middle.rest).within(half.bounds.size)
@@ -231,12 +231,13 @@ def _root(x: Forms) -> Forms:
 def _steep_root(x: Forms) -> Forms:
     """Return the root of a nonnegative quantity, even if its form contains negative numbers.
 
-    √x - a x rises from 0 to its top 1/(4a) and falls: the least is at 0 or at the end.
+    √x - a x rises from 0 to its maximum 1/(4a) and falls: the minimum is at 0 or at the end.
+
     """
     bounds = x.bounds
     if (bounds.low > 0.0).all():
         return x.function("sqrt")
-    # Any slope a would do; this one makes the ends equal: √h - a h = 0. Not 0, to divide by.
+    # Any slope a > 0 is sound; this one makes the ends equal: √h - a h = 0.
     high = np.maximum(bounds.high, 1e-290)
     steep = Intervals.at(1.0 / np.sqrt(high))
     end = square_root(Intervals.at(high)) - steep * Intervals.at(high)
@@ -245,7 +246,7 @@ def _steep_root(x: Forms) -> Forms:
 
 
 def _is_never_negative(node: Node, value: Callable[[Node], Any]) -> bool:
-    """Tell whether an expression cannot be negative, whatever its symbols are."""
+    """Return whether an expression is nonnegative for all values of its symbols."""
     if isinstance(node, Constant):
         return node.value >= 0.0
     if isinstance(node, Symbol):
@@ -287,7 +288,7 @@ _WITH_NUMBERS: dict[tuple[str, bool], Callable[[Forms, float], Forms]] = {
     ("multiply", False): lambda x, number: x.scaled(number),
     ("divide", True): lambda x, number: x / number,
 }
-"""The same with a number, by whether that is the second argument."""
+"""The same with a number, by whether it is the second argument."""
 
 
 def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
@@ -307,14 +308,14 @@ def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
 
 
 def as_forms(value: Any, shape: tuple[int, ...]) -> Any:
-    """Return a number as forms; anything else as it is."""
+    """Return a number as forms; anything else unchanged."""
     return Forms.at(np.full(shape, value)) if isinstance(value, float) else value
 
 
 def applied(
     node: Apply, arguments: list[Any], shape: tuple[int, ...], value: Callable[[Node], Any]
 ) -> Any:
-    """Return an operation; a product or a sum with a number is one with a number."""
+    """Apply an operation; products and sums with a number are cheaper."""
     if node.operation == "sqrt" and _is_never_negative(node.arguments[0], value):
         return _steep_root(as_forms(arguments[0], shape))
     numbers = [isinstance(argument, float) for argument in arguments]

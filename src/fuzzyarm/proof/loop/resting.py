@@ -1,6 +1,6 @@
-"""Where a loop rests whose rest is not rational: Newton's method in floats, not trusted.
+"""The rest of a loop in floats, by Newton's method: not trusted.
 
-What it gives is the middle of an interval in which the checker proves that there is a rest.
+Its result is the midpoint of an interval in which the checker proves that a rest exists.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
 from fuzzyarm.symbolic.evaluation import evaluate
 
 STEPS = 60
-"""Newton's steps at most."""
+"""Most Newton steps."""
 
 
 class _Unlimited(Floats, LoopAlgebra[float]):
-    """Floats of a loop whose limits are not reached."""
+    """Floats, with all limits ignored."""
 
     def __init__(self, conclusion: Callable[[RuleBase, str, Mapping[str, float]], float]) -> None:
         super().__init__()
@@ -36,15 +36,15 @@ class _Unlimited(Floats, LoopAlgebra[float]):
         return a / b if b else math.nan
 
     def limit(self, x: float, low: float, high: float) -> float:
-        """Return it as it is."""
+        """Return it unchanged."""
         return x
 
     def near(self, x: float, before: float, most: float) -> float:
-        """Return it as it is."""
+        """Return it unchanged."""
         return x
 
     def error(self, x: float, size: float) -> float:
-        """Return it as it is."""
+        """Return it unchanged."""
         return x
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
@@ -57,7 +57,7 @@ def rest_in_floats(
     memory: Sequence[str],
     conclusion: Callable[[RuleBase, str, Mapping[str, float]], float],
 ) -> dict[str, float]:
-    """Return where a loop nearly rests: states of the plant, then memory."""
+    """Return an approximate rest: states of the plant, then memory."""
     names = [*problem.states, *memory]
     period = LoopPeriod[float](problem, _Unlimited(conclusion))
 
@@ -82,24 +82,24 @@ def _still_states(
     pushes = np.diag(np.maximum(np.abs(y), 1.0))[: len(problem.states)]
     try:
         still = [bool((motion(y + push) == motion(y)).all()) for push in pushes]
-    except (ArithmeticError, ValueError):  # the guess may be outside of what has a value
+    except (ArithmeticError, ValueError):  # the guess may be outside the domain
         return []
     return [*compress(problem.states, still)]
 
 
 def unread_state(names: Sequence[str]) -> LoopProofError | None:
-    """Return the error of a loop that rests at any value of a state, as a speed loop does."""
+    """Return the error of a loop at rest for any value of a state, such as a speed loop."""
     if not names:
         return None
     message = f"the loop rests at any '{names[0]}', since nothing reads it"
     return LoopProofError(message, hint="a plant of your own without this state has one rest")
 
 
-@np.errstate(all="ignore")  # what is not finite ends the search
+@np.errstate(all="ignore")  # a value that is not finite ends the search
 def _root(
     motion: Callable[[Vector], Vector], y: Vector, states: int, *, squares: bool = False
 ) -> Vector | None:
-    """Return where nothing moves, by Newton's method from a guess; None where it does not end."""
+    """Return a point of rest by Newton's method from a guess; None without convergence."""
     scale = np.maximum(np.abs(y), 1.0)
     last, damping = math.inf, 1.0
     for _ in range(STEPS):
@@ -119,14 +119,14 @@ def _root(
         if not np.isfinite(step).all():
             break
         is_rounding = bool((np.abs(f) <= 1e-14 * (np.abs(slopes) @ np.abs(y))).all())
-        # Not more than half of a way that a root or a limit may end.
+        # At most half of the distance to the end of a domain, as of a root or a limit.
         first = np.abs(step[:states]) / np.maximum(np.abs(y[:states]), 0.01)
         part = min(1.0, 0.5 / max(float(first.max(initial=0.0)), 0.5))
         size = float(np.abs(step / np.maximum(np.abs(y + step * part), 1e-3)).max())
-        # Next to an edge of a surface, steps from either side go too far.
+        # Next to an edge of a surface, steps from either side overshoot.
         damping *= 0.5 if last <= size and 1e-9 <= size <= 1e-2 else 1.0
         y = y + step * part * damping
-        # Roundings of what is large move what is small: then steps no longer become smaller.
+        # Rounding errors of large values move small ones: then steps stop shrinking.
         if size < 1e-12 or (last <= size and (size < 1e-9 or is_rounding)):
             return y
         last = size
@@ -136,17 +136,17 @@ def _root(
 def _guesses(problem: LoopProblem) -> Iterator[list[float]]:
     """Yield guesses of the states."""
     yield _guess(problem, True)
-    # From the middle of a wide range rules may be flat: then from the set points alone.
+    # At the middle of a wide range rules may be flat: then from the set points alone.
     states = _guess(problem, False)
     yield states
-    # And they are flat far from set points that are not states by name.
+    # Rules are flat far from set points that are not states by name.
     y = _balance(problem, states)
     if y is not None:
         yield y[: len(states)].tolist()
 
 
 def _balance(problem: LoopProblem, states: Sequence[float]) -> Vector | None:
-    """Return states and inputs at which the plant rests with its outputs at their set points."""
+    """Return states and inputs of a plant at rest with its outputs at their set points."""
     site, equations, model = problem.site, problem.equations, problem.text.model
     read = {site.find(model, "reference", port) for port in ports_of(model, "reference")}
 
@@ -160,7 +160,7 @@ def _balance(problem: LoopProblem, states: Sequence[float]) -> Vector | None:
         )
 
     idle = [port.idle for port in site.interface.inputs.values()]
-    # More equations than unknowns, as of a rate that is tracked as well, agree with each other.
+    # With more equations than unknowns, as for a tracked rate, the equations agree.
     return _root(motion, np.array([*states, *idle]), len(states), squares=True)
 
 

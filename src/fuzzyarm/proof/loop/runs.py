@@ -1,4 +1,4 @@
-"""Runs that refute a claim about a loop: found as ``simulate`` gives them, and then enclosed."""
+"""Runs that refute a claim about a loop: found with ``simulate``, then enclosed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Breach(NamedTuple):
 
 
 def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = None) -> Breach | None:
-    """Return a run that breaks a claim for certain, if one of some runs does.
+    """Return a run that certainly breaks a claim, if one of the tried runs does.
 
     A run in floats is a hint only: the proof is its enclosure.
     """
@@ -63,14 +63,14 @@ def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = Non
 
 
 ENCLOSING = 3.0
-"""Seconds that the enclosure of one run may take."""
+"""Time budget of the enclosure of one run, seconds."""
 
 MOST_UNKNOWN = 2
-"""Runs of which no enclosure tells, after which no other one is tried."""
+"""Most runs with an inconclusive enclosure."""
 
 FIRST_STEPS, LONGER, SHARE = 20_000, 8, 0.1
-"""Steps of the integrator in a first run; how many times as long the next one is, while that takes
-no more than a share of the time that is left."""
+"""Integrator steps of the first run; ratio of lengths of the next run; and its largest share of the
+remaining time."""
 
 
 def run_in_time(
@@ -81,9 +81,9 @@ def run_in_time(
     stop: Stop,
     found: Callable[[Run], object],
 ) -> Run | None:
-    """Return a run as long as `whole`, or as there is time for, or until it shows something.
+    """Return a run of duration `whole`, or as long as time permits, or until a finding.
 
-    `found` returns what it shows; None or empty: nothing.
+    `found` returns the finding; None or empty: none.
     """
     steps = max(1, math.ceil(problem.period / problem.plant.longest_step))
     periods = max(1, FIRST_STEPS // steps)
@@ -99,7 +99,7 @@ def run_in_time(
 
 
 def _claimed_duration(problem: LoopProblem, claim: LoopClaim) -> float:
-    """Return how long a run is looked at, s."""
+    """Return the duration of a run, s."""
     if claim.output and claim.when == "during":
         return claim.end + problem.period  # the sample at the end counts
     duration = problem.plant.duration or 1000 * problem.period
@@ -114,9 +114,9 @@ def _enclosed_breach(
     end: float,
     stop: Stop,
 ) -> str | None:
-    """Return how a run breaks a claim for certain.
+    """Return how a run certainly breaks a claim.
 
-    Empty where it is inside for certain until an end; None where no enclosure tells.
+    Empty if it is certainly inside until an end; None if the enclosure is inconclusive.
     """
     alone = replace(
         problem,
@@ -159,16 +159,16 @@ def _last(claim: LoopClaim) -> Fraction | float:
 
 
 FINER = (1, 4, 16, 64, 256)
-"""Into how many steps a period is cut, one after another, until two runs agree."""
+"""Steps per period, one after another, until two runs agree."""
 
 AGREED = 1e-3
-"""Greatest difference of two runs of different steps, as a share of the distance travelled."""
+"""Largest difference of two runs with different steps, as a share of the distance travelled."""
 
 
 def converged(run: Callable[[int], Run | None], stop: Stop) -> tuple[Run, Run] | None:
-    """Return two runs of different steps that agree, the finer one last; or TimeOverError.
+    """Return two agreeing runs with different steps, the finer one last; or TimeOverError.
 
-    `run` makes one of so many times as many steps.
+    `run(n)` has n times as many steps.
     """
     coarse: Run | None = None
     taken = 0.0
@@ -187,16 +187,16 @@ def converged(run: Callable[[int], Run | None], stop: Stop) -> tuple[Run, Run] |
 
 
 def _agree(one: Run, other: Run) -> bool:
-    """Tell whether two runs agree within the error of the coarser integration."""
+    """Return whether two runs agree within the error of the coarser integration."""
     count = min(len(one.time), len(other.time))
     is_lost = one.diverged is not None
-    # One that diverges may leave a sample earlier or later.
+    # A diverging run may leave a sample earlier or later.
     if is_lost != (other.diverged is not None) or abs(len(one.time) - len(other.time)) > 1:
         return False
     for name, values in one.outputs.items():
         first, second = (np.asarray(x, float)[:count] for x in (values, other.outputs[name]))
         finite = np.isfinite(first) & np.isfinite(second)
-        if is_lost and count > 3:  # beyond all numbers the last sample may be anything
+        if is_lost and count > 3:  # on overflow the last sample may be anything
             finite[-1] = True
             first, second = (np.where(np.isfinite(x), x, 0.0)[:-1] for x in (first, second))
         size = np.maximum.accumulate(np.abs(second)) + 1e-12
@@ -206,11 +206,11 @@ def _agree(one: Run, other: Run) -> bool:
 
 
 RUNS = 24
-"""Random starts, beside the corners, from which a claim is attacked."""
+"""Random starts of attacks on a claim, besides the corners."""
 
 
 def _starts(problem: LoopProblem) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
-    """Yield starts and parameters: corners, then drawn."""
+    """Yield starts and parameters: corners, then random ones."""
     spans = dict(problem.start)
     generator = np.random.default_rng(0)
     free = sum(len(set(span)) > 1 for span in spans.values())
@@ -232,7 +232,7 @@ def _starts(problem: LoopProblem) -> Iterator[tuple[dict[str, float], dict[str, 
 
 
 def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]:
-    """Return runs of `simulate` from corners of the starts and from within them, up to a count."""
+    """Return runs of `simulate` from corners of the starts and from inside, up to `count`."""
     runs = (run_of(problem, *start, duration=duration) for start in islice(_starts(problem), count))
     return [run for run in runs if run is not None]
 
@@ -245,7 +245,7 @@ def run_of(
     duration: float,
     steps: int = 1,
 ) -> Run | None:
-    """Return a run of a loop, its steps divided by a number, to confirm another; None: none."""
+    """Return a run of a loop with its steps divided by a number, or None: a confirmation."""
     plant = problem.plant
     if values:
         plant = with_parameters(plant, values)
@@ -268,7 +268,7 @@ def run_of(
 
 
 def values_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
-    """Return outputs, drives and errors of a run, as tubes call them."""
+    """Return outputs, drives and errors of a run, by their names in tubes."""
     label, references = problem.site.interface.label, problem.site.interface.references
     values = {**run.outputs, **run.drives}
     for address in problem.errors:
@@ -279,7 +279,7 @@ def values_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
 
 
 def _breach(problem: LoopProblem, claim: LoopClaim, run: Run) -> float | None:
-    """Return when a run has broken a claim, s, as far as floats tell."""
+    """Return the time at which a run breaks a claim in floats, s."""
     if claim.output:
         port = claimed_port(problem, claim)
         values = np.asarray(values_of(problem, run)[port], float)

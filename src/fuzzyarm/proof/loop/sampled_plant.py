@@ -1,9 +1,9 @@
-"""A plant over one control period, its inputs held: its matrices, enclosed.
+"""Enclosed matrices of a plant over one control period, with its inputs held.
 
-Equations that are affine are sampled by the matrix exponential. Of others the slopes are bounded
-over the box that states and inputs can be in: along the straight way from rest to any point of the
-box the motion over a period has slopes within the enclosed ones, so it is linear with gains among
-them (mean value theorem). Their spread becomes blocks.
+Affine equations are sampled by the matrix exponential. For others the slopes are bounded over the
+box of states and inputs: along the straight line from rest to any point of the box the motion over
+a period has slopes within these bounds, so it is linear with gains among them (mean value theorem).
+Their spread becomes blocks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fuzzyarm.symbolic.nodes import Apply, Node, postorder, symbols
 
 
 def require_still(problem: LoopProblem) -> None:
-    """Refuse equations that change with time, jump, or let an input through at once."""
+    """Refuse moving references, explicit time, jumps, and outputs with open parameters."""
     equations, name = problem.equations, problem.plant.name
     if problem.moved:
         raise LoopProofError("a region is around rest, and a reference moves")
@@ -45,7 +45,7 @@ def require_still(problem: LoopProblem) -> None:
 
 
 ROOM_FOR_CHECKER = Fraction(1_000_001, 1_000_000)
-"""The checker has the same matrix, except for the rounding of where inputs can be."""
+"""Margin for the rounding of the inputs' ranges: the checker's matrix is otherwise the same."""
 
 
 class SampledPlant:
@@ -56,9 +56,9 @@ class SampledPlant:
     problem : LoopProblem
         The loop.
     rest : mapping of str to Fraction
-        Where its states rest.
+        Rest of its states.
     doubt : mapping of str to Fraction
-        How far the true rest may be from there.
+        Largest distance of the true rest from there.
     """
 
     def __init__(
@@ -77,14 +77,14 @@ class SampledPlant:
 
     @cached_property
     def is_affine(self) -> bool:
-        """Whether the slopes of the plant are the same everywhere."""
+        """Whether the slopes of the plant are constant."""
         moving = {*self.equations.states, *self.equations.inputs, "t"}
         return not any(moving & set(symbols(node)) for row in self._jacobian for node in row)
 
     def _ranges(
         self, choice: Assumptions, algebra: AffineAlgebra, inputs: Mapping[Address, Affine]
     ) -> dict[str, tuple[float, float]]:
-        """Return where states and inputs can be from one sample to the next."""
+        """Return the ranges of states and inputs from one sample to the next."""
         equations, problem = self.equations, self.problem
         ranges = {"t": (-math.inf, math.inf)}
         for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
@@ -127,8 +127,7 @@ class SampledPlant:
                 middle = 0.5 * low + 0.5 * high
                 radius = max(Fraction(high) - Fraction(middle), Fraction(middle) - Fraction(low))
                 row = row.plus(signal.scaled(Fraction(middle)))
-                # What rounding alone leaves open is not worth a gain of its own: it goes into the
-                # radius.
+                # A spread from rounding alone needs no gain of its own: it goes into the radius.
                 if radius > abs(Fraction(middle)) * Fraction(1, 10**8) and radius > Fraction(
                     1, 10**12
                 ):

@@ -1,4 +1,4 @@
-"""The attempts to prove a claim about a loop: forms of ever weaker assumptions, and their P.
+"""The attempts to prove a claim about a loop: forms under ever weaker assumptions, and their P.
 
 Nothing here is trusted: each proposal goes to the checker.
 """
@@ -27,7 +27,7 @@ from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.stop import Stop
 
 WHOLE = 1 - Fraction(1, 2**20)
-"""The share of a signal that remains within limits that hardly touch it."""
+"""The share of a signal that passes limits which hardly touch it."""
 
 SHARES = (
     *(Fraction(x) for x in (1, 0.75, 0.5, 0.35, 0.25)),
@@ -40,19 +40,19 @@ GRIPS = tuple(Fraction(x) for x in (0.7, 0.5, 0.3))
 class Proposal:
     """A candidate for the proof of a claim."""
 
-    choice: Assumptions  # what the form grants
-    form: Form  # the loop under it
-    found: Candidate  # its P and the rest
-    rate: Fraction = Fraction(0)  # by what share V falls
+    choice: Assumptions  # the assumptions
+    form: Form  # the loop under them
+    found: Candidate  # P and multipliers
+    rate: Fraction = Fraction(0)  # relative fall of V per period
     parts: tuple[Form, ...] = ()  # the loop in each cone
 
     @property
     def size(self) -> float:
-        """Of its region."""
+        """Size of its region."""
         return self.found.size
 
     def region(self, *, continuous: bool) -> RegionProof:
-        """Return it as a certificate has it."""
+        """Return the region for a certificate."""
         form, found = self.form, self.found
         assert form.evidence is not None
         return RegionProof(
@@ -61,7 +61,7 @@ class Proposal:
         )  # fmt: skip
 
     def refutation(self) -> str:
-        """Return why the forms of the search do not prove it; empty: they do."""
+        """Return why the forms of the search do not prove it; empty if they do."""
         system, found = self.form.system, self.found
         if not found.cones:
             return refutation(system, found.p, found.multipliers, self.rate)
@@ -78,7 +78,7 @@ def proposals(
     continuous: bool,
     target: tuple[float, float] | None,
 ) -> Iterator[Proposal | str]:
-    """Yield proposals, and in words why an attempt came to nothing."""
+    """Yield proposals, and in words why an attempt failed."""
     search = _Search(maker, claim, stop, continuous, target)
     yield from search.affine() if maker.plant.is_affine else search.boxes()
 
@@ -98,7 +98,7 @@ class _Search:
 
     @property
     def _starts(self) -> bool:
-        """Whether the region has to hold a start."""
+        """Whether the region has to contain a start."""
         return bool(self.claim.start or self.target)
 
     def _form(self, choice: Assumptions) -> Form | str:
@@ -134,7 +134,7 @@ class _Search:
         solution = candidate(form, include=include, stop=self.stop)
         yield self._proposal(choice, form, solution)
         periods = max(1.0, self.claim.begin / self.maker.problem.period)
-        # By e^-factor V is to have fallen when the claim begins; a faster fall costs size.
+        # V has to fall by e^-factor until the claim begins; a faster fall costs size.
         for factor in (2.0, 4.0, 8.0, 16.0, 32.0):
             rate = -math.expm1(-factor / periods)
             solution = candidate(form, include=include, rate=rate, stop=self.stop)
@@ -161,13 +161,13 @@ class _Search:
             rate = rate_of(form.system, candidate.p, candidate.multipliers)
         return Proposal(choice, form, candidate, rate)
 
-    # --- plants whose equations are affine ---
+    # --- affine plants ---
 
     def affine(self) -> Iterator[Proposal | str]:
-        """Yield proposals for a plant that is affine: rule bases over less and less."""
+        """Yield proposals for an affine plant: rule bases over smaller and smaller ranges."""
         best = -math.inf
         for share in SHARES:
-            # Where all of the universes do not hold, is there any hope?
+            # If the whole universes fail, is there any hope?
             if share == SHARES[1] and best == -math.inf:
                 hopeless = self._hopeless({})
                 if hopeless:
@@ -181,18 +181,18 @@ class _Search:
                 for proposal in self._tried(Assumptions(share, self.grips[0], {}, along)):
                     here = max(here, getattr(proposal, "size", -math.inf))
                     yield proposal
-                    if _is_outside(proposal):  # and of a smaller share all the more
+                    if _is_outside(proposal):  # all the more for a smaller share
                         return
                 if here > -math.inf:
                     yield from self._looser(share, along)
                     break
-            # Less of the universes helps only where not all of them did.
+            # A smaller share helps only if the whole universes failed.
             if here < best or (here > -math.inf and share == 1):
                 return
             best = max(best, here)
 
     def _hopeless(self, box: dict[str, Fraction]) -> str:
-        """Return why nothing will be found: next to rest, where a form grants least."""
+        """Return why nothing will be found: a failure next to rest, under least assumptions."""
         reason = ""
         for along in (True, False):
             form = self._form(Assumptions(SHARES[-1], self.grips[0], box, along))
@@ -205,10 +205,10 @@ class _Search:
         return reason
 
     def _in_cones(self) -> Iterator[Proposal | str]:
-        """Yield proposals of functions of cones, from next to rest outward as long as they hold."""
+        """Yield proposals with functions of cones, from rest outward as long as they hold."""
         if self._starts or self.continuous:
             return
-        low, high, at = len(SHARES), -1, len(SHARES) - 1  # from next to rest as far as it holds
+        low, high, at = len(SHARES), -1, len(SHARES) - 1  # from rest outward as far as it holds
         while high < at < low and not self.stop.now:
             found = None
             choice = Assumptions(SHARES[at], self.grips[0], {}, along=False)
@@ -236,7 +236,7 @@ class _Search:
             yield Proposal(choice, form, found, parts=tuple(parts))
 
     def _looser(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
-        """Yield proposals in which limits may be reached, where the region ends at them."""
+        """Yield proposals with limits reached, if the region ends at them."""
         if self.maker.fixed:
             return
         form = self._form(Assumptions(share, self.grips[0], {}, along))
@@ -246,13 +246,13 @@ class _Search:
             if not self.stop.now:
                 yield from self._tried(Assumptions(share, grip, {}, along))
 
-    # --- plants whose equations are not ---
+    # --- nonlinear plants ---
 
     def boxes(self) -> Iterator[Proposal | str]:
-        """Yield proposals for a plant that is not affine: larger boxes first, until one holds.
+        """Yield proposals for a nonlinear plant: larger boxes first, until one holds.
 
-        A smaller share of the universes makes rule bases more linear and allows a larger box, up
-        to where the universes themselves end the region.
+        A smaller share of the universes makes rule bases more linear and allows a larger box, until
+        the universes themselves end the region.
         """
         best = -math.inf
         for share in SHARES:
@@ -276,17 +276,17 @@ class _Search:
             best = max(best, here)
 
     def _boxes_of(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
-        """Yield proposals for one share: limits are not reached, then they are, more and more."""
+        """Yield proposals for one share: first without reaching limits, then more and more."""
         best = -math.inf
         last: Form | None = None
         for grip in (*self.grips, *(() if self.maker.fixed else GRIPS[1:])):
-            if self.stop.now:  # slopes of rules that are not pieces take long
+            if self.stop.now:  # slopes of rules without pieces take long
                 return
             form = self._form(Assumptions(share, grip, _tiny_box(self.maker, 1024), along))
             if isinstance(form, str):
                 yield form
                 return
-            if last is not None and form.is_same_loop(last):  # limits leave more than this share
+            if last is not None and form.is_same_loop(last):  # limits pass more than this share
                 return
             last = form
             shape = self._shape(form)
@@ -298,11 +298,11 @@ class _Search:
                 if isinstance(proposal, Proposal):
                     best = max(best, proposal.size)
                 yield proposal
-            if best <= before or self.stop.now:  # limits that may be reached help no more
+            if best <= before or self.stop.now:  # reaching limits helps no more
                 return
 
     def _shape(self, form: Form) -> dict[str, float] | str:
-        """Return the half-axes of the region of the loop with the plant nearly linear."""
+        """Return the half-axes of the region for a nearly linear plant."""
         free = replace(
             form,
             bounds=tuple(b for b in form.bounds if not b.words.startswith("the box of")),
@@ -321,7 +321,7 @@ class _Search:
     def _around_start(
         self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
     ) -> Iterator[Proposal | str]:
-        """Yield attempts with boxes of a shape that hold the start, larger and larger ones."""
+        """Yield attempts with growing boxes of one shape that contain the start."""
         maker = self.maker
         scale = 1e-6
         for name, span in maker.problem.start.items():
@@ -336,7 +336,7 @@ class _Search:
     def _largest(
         self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
     ) -> Iterator[Proposal | str]:
-        """Yield attempts with boxes of a shape, and last the largest proposal."""
+        """Yield attempts with boxes of one shape, and last the largest proposal."""
         if self._starts:
             yield from self._around_start(share, along, grip, shape)
             return
@@ -356,7 +356,7 @@ class _Search:
                 high = scale
             elif best is None or candidate_proposal.size > best.size:
                 best, low = candidate_proposal, scale
-                # The region may have another shape than the box: what it does not reach is cut.
+                # The region may have another shape than the box, which shrinks to its reach.
                 axes = _half_axes(candidate_proposal.found.p, candidate_proposal.form)
                 shape = {n: min(x, 1.05 * axes[n] / scale) for n, x in shape.items()}
             else:
@@ -369,7 +369,7 @@ class _Search:
 
 
 def form_at_rest(maker: FormMaker) -> Form:
-    """Return the loop next to rest, where no limit is reached."""
+    """Return the loop next to rest, with no limit reached."""
     box = {} if maker.plant.is_affine else _tiny_box(maker, 1024)
     return maker.form(Assumptions(SHARES[-1], Fraction(1), box, True))
 
@@ -384,7 +384,7 @@ def _tiny_box(maker: FormMaker, parts: int) -> dict[str, Fraction]:
 
 
 def _start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
-    """Return the corners of the start, as ways from rest; memory as it begins."""
+    """Return the corners of the start as deviations from rest, with the initial memory."""
     start, begin = maker.problem.start, maker.begin
     ends = [dict.fromkeys(map(Fraction, start[name])) for name in maker.problem.states]
     if 2 ** sum(len(end) > 1 for end in ends) > 4096:
@@ -411,12 +411,12 @@ BEYOND = "the start goes beyond "
 
 
 def _is_outside(proposal: Proposal | str) -> bool:
-    """Whether it says that the start goes beyond the universe of a rule base."""
+    """Return whether the reason is a start outside the universe of a rule base."""
     return isinstance(proposal, str) and proposal.startswith(f"{BEYOND}'")
 
 
 def _beyond(form: Form, points: Sequence[Sequence[Fraction]]) -> str:
-    """Return which bound of a form does not hold at some point; empty where all hold."""
+    """Return a bound of a form violated at some point; empty if all hold."""
     for row, limit, words in form.rows_within():
         for z in points:
             if abs(sum((g * x for g, x in zip(row, z, strict=True)), Fraction(0))) >= limit:
@@ -425,7 +425,7 @@ def _beyond(form: Form, points: Sequence[Sequence[Fraction]]) -> str:
 
 
 def _next_scale(scale: float, low: float, high: float) -> float:
-    """Return the size to try between the largest that held and the least that did not; 0: none."""
+    """Return the next trial between the largest success and the least failure; 0: none."""
     if math.isinf(high):
         return 1.3 * scale
     if not low:
@@ -440,12 +440,12 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
 
 
 def rate_of(form: System, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
-    """Return a share by which V falls in each period."""
+    """Return a proved relative fall of V per period."""
     return greatest_rate(lambda rate: falls(form, p, multipliers, rate))
 
 
 def greatest_rate(does_fall: Callable[[Fraction], bool]) -> Fraction:
-    """Return a share by which something falls: a power of 2, then somewhat more; 0: by none."""
+    """Return a proved relative fall: a power of 2, then somewhat more; 0: none."""
     low, high = 0, 48  # exponents: 1 and practically 0
     while high - low > 1:
         middle = (low + high) // 2

@@ -1,4 +1,4 @@
-"""A map of the starts of a loop: boxes of a window that are proved, refuted or open."""
+"""A map of the starts of a loop: proved, refuted and open boxes of a window."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class MappedBox(NamedTuple):
     verdict : str
         ``proved``, ``refuted`` or ``open``.
     periods : int
-        Control periods until all of its runs are in the region, or lost; of a map that is
-        `chained`, in the region or in another proved box.
+        Control periods until all of its runs are in the region, or lost; in a `chained` map, until
+        they are in the region or in another proved box.
     reason : str
-        Why it is refuted or open.
+        Why the box is refuted or open.
     """
 
     low: tuple[float, ...]
@@ -44,7 +44,7 @@ class MappedBox(NamedTuple):
 
     @property
     def opposite(self) -> MappedBox:
-        """The box of an odd loop on the other side of its rest."""
+        """The box of an odd loop mirrored at the origin."""
         low, high = (tuple(0.0 - x for x in ends) for ends in (self.high, self.low))
         return self._replace(low=low, high=high)
 
@@ -55,37 +55,37 @@ class MappedBox(NamedTuple):
 )
 @dataclass(frozen=True, repr=False, kw_only=True)
 class StartMap(Shown):
-    """The starts of a loop, all over a window, with the results so far.
+    """The starts of a loop in a window, with the results so far.
 
     Attributes
     ----------
     statement : str
-        Which loop.
+        The loop, in words.
     window : dict of str to Interval
-        The starts; states that are not in it begin where the plant does.
+        The starts; other states begin at the plant's own start.
     others : dict of str to float
-        Where those begin.
+        Starts of the other states.
     boxes : tuple of MappedBox
-        Parts of the window, which fill it.
+        A partition of the window.
     region : dict of str to (float, float)
-        How far the region around rest reaches, in which all tubes end.
+        Reach of the region around rest, in which all tubes end.
     rest : dict of str to float
-        Where the loop rests.
+        The equilibrium.
     certificate : Certificate or None
-        Of that region, or of the whole map.
+        Certificate of that region, or of the whole map.
     starts, settled, settled_proved : int
-        How many starts were drawn, how many of their runs came to rest, and how many of those
-        begin in boxes that are proved.
+        Numbers of random starts, of those with runs that come to rest, and of these in proved
+        boxes.
     seconds, work : float
-        How long it took by the clock, and of the processors.
+        Time by the clock, and of the processors.
     period : float
-        Of control, s.
+        Control period, s.
     units : dict of str to str
         Of the states.
     reason : str
-        Why nothing was proved; empty where there is a region.
+        Why nothing was proved; empty with a region.
     chained : bool
-        Whether boxes were followed only into others that are proved.
+        Whether boxes may end in other proved boxes.
     """
 
     statement: str
@@ -106,7 +106,7 @@ class StartMap(Shown):
     chained: bool = False
 
     def share(self, verdict: str) -> float:
-        """Return the share of the window's volume that has a verdict."""
+        """Return the share of the window's volume with a verdict."""
         return math.fsum(share for (kind, _), share in self._shares.items() if kind == verdict)
 
     @cached_property
@@ -133,13 +133,13 @@ class StartMap(Shown):
 
     @property
     def open(self) -> float:
-        """The share of which nothing is known, what is not looked at yet included."""
+        """The undecided share, unexamined parts included."""
         rest = 1.0 - self.decided
         return max(self.share(OPEN), rest if rest > 1e-9 else 0.0)
 
     @property
     def decided(self) -> float:
-        """The share of the volume that is proved or refuted."""
+        """The share of the volume proved or refuted."""
         return self.proved + self.refuted
 
     @property
@@ -150,21 +150,21 @@ class StartMap(Shown):
 
     @property
     def uncertified(self) -> str:
-        """Why no certificate of boxes can be written; empty where one can."""
+        """Why no certificate of boxes can be written; empty if one can."""
         if self.certificate is not None and self.certificate.tubes:
             return ""
         return self.reason or "nothing of the window is proved"
 
     @property
     def covered(self) -> float:
-        """The share of drawn starts at rest in the end that begin in proved boxes; NaN: of none."""
+        """The share in proved boxes of random starts whose runs come to rest; NaN without any."""
         return self.settled_proved / self.settled if self.settled else math.nan
 
     @property
     def longest(self) -> float:
-        """After which time all runs from proved boxes are in the region, s; NaN: not known.
+        """Time until all runs from proved boxes are in the region, s; NaN: unknown.
 
-        Of a `chained` map only a certificate knows it, which has the whole way.
+        In a `chained` map only a certificate knows it, which has the whole way.
         """
         return math.nan if self.chained else self._longest
 
@@ -174,7 +174,7 @@ class StartMap(Shown):
         return float(most * decimal(self.period))
 
     def verdict_at(self, **start: float) -> str:
-        """Return the verdict on a start, by state; `open` where it is not in the window."""
+        """Return the verdict on a start, by state; `open` outside the window."""
         unknown = [name for name in start if name not in self.window]
         if unknown or len(start) < len(self.window):
             raise ClaimError(f"a start of the map has {', '.join(self.window)}")
@@ -185,7 +185,7 @@ class StartMap(Shown):
         return OPEN
 
     def reasons(self) -> list[tuple[str, float]]:
-        """Return why boxes are open, and the share of the volume of each reason, largest first."""
+        """Return the reasons of open boxes with their shares of the volume, largest first."""
         found = [(reason, share) for (kind, reason), share in self._shares.items() if kind == OPEN]
         return sorted(found, key=lambda pair: -pair[1])
 

@@ -1,8 +1,8 @@
-"""Odd loops: what holds of a start holds of the opposite one, so that half of a map is enough.
+"""Odd loops: a result for a start holds for the opposite one, so that half of a map is enough.
 
-A loop is odd if, with all states and all memory turned over, a period gives the opposite inputs of
-the plant, memory, rates and outputs. Every number of the walk is a constant, odd or even in those;
-what is neither, or not known to be, makes the loop not odd.
+A loop is odd if negating all states and memory negates the inputs of the plant, memory, rates and
+outputs of a period. Every number of the walk is a constant, odd or even in them; any other number
+makes the loop not odd.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ from fuzzyarm.table import LookupTable
 ODD, EVEN = "odd", "even"
 
 Parity = Fraction | str
-"""A constant, exactly: rounding may make a 0 of it; or what it does when all is turned over."""
+"""A constant, exact since rounding may give 0; or the parity of a number."""
 
 ODD_FUNCTIONS = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh"})
 EVEN_FUNCTIONS = frozenset({"cos", "cosh", "absolute"})
 
 
 class _NotOddError(Exception):
-    """Something that is neither odd nor even, as far as is known."""
+    """A number is not known to be odd or even."""
 
 
 def is_odd(problem: LoopProblem) -> bool:
-    """Tell whether a loop is known to be odd, its starts outside of a window included."""
+    """Return whether a loop is known to be odd, its starts outside of a window included."""
     turned = all(-span.low == span.high for span in problem.start.values())
     if not turned or problem.moved or any(problem.set_point.values()):
         return False
@@ -83,14 +83,14 @@ def _demand(x: Parity) -> None:
 
 
 class _Parities(LoopAlgebra[Parity]):
-    """Constants, and what is odd or even."""
+    """The algebra of constants and parities."""
 
     def number(self, value: float) -> Parity:
         """Return a number of the file."""
         return _constant(value)
 
     def add(self, a: Parity, b: Parity) -> Parity:
-        """Return a sum of what is of one kind."""
+        """Return a sum of numbers with one parity."""
         if isinstance(a, Fraction) and isinstance(b, Fraction):
             return a + b
         if 0 in (a, b):
@@ -130,8 +130,8 @@ class _Parities(LoopAlgebra[Parity]):
         return self.add(x, before)
 
     def expression(self, root: Node, values: Mapping[str, Parity]) -> Parity:
-        """Return the kind of an expression."""
-        # Branches that numbers rule out are gone; the numbers themselves are counted exactly.
+        """Return the parity of an expression."""
+        # Without branches that numbers rule out; the numbers themselves are exact.
         constants = {n: float(x) for n, x in values.items() if isinstance(x, Fraction)}
         root = pruned(root, constants)
         return fold([root], values, _constant, self._applied)[0]
@@ -152,7 +152,7 @@ class _Parities(LoopAlgebra[Parity]):
         raise _NotOddError
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, Parity]) -> list[Parity]:
-        """Return the conclusions of a rule base that is odd."""
+        """Return the conclusions of an odd rule base."""
         for x in inputs.values():
             _demand(x)
         if not _turns(sheet):
@@ -164,7 +164,7 @@ class _Parities(LoopAlgebra[Parity]):
         raise _NotOddError
 
     def error(self, x: Parity, size: float) -> Parity:
-        """Refuse a sensor with steps."""
+        """Refuse a sensor with a resolution."""
         raise _NotOddError
 
 
@@ -182,7 +182,7 @@ def _constant(value: float | Fraction) -> Fraction:
 
 
 def _turns(sheet: RuleBase) -> bool:
-    """Tell whether a rule base with all of its terms turned over is itself."""
+    """Return whether a rule base with all of its terms mirrored is the same."""
     if sheet.is_type2 or not all(_is_plain(output) for output in sheet.outputs):
         return False
     names = {v.name: _opposites(v) for v in (*sheet.inputs, *sheet.outputs)}
@@ -191,7 +191,7 @@ def _turns(sheet: RuleBase) -> bool:
         try:
             if rules != Counter(_key(rule, names) for rule in block.rules):
                 return False
-        except KeyError:  # a term without an opposite
+        except KeyError:  # a term without a mirror image
             return False
     return True
 
@@ -199,12 +199,12 @@ def _turns(sheet: RuleBase) -> bool:
 def _is_plain(output: Output) -> bool:
     way = output.defuzzifier.record
     plain = way.figure in ("centroid", "average", "weighted") and not (way.inverts or way.both)
-    silent = output.no_rule in ("error", 0.0)  # a number, or the last value, is on one side
+    silent = output.no_rule in ("error", 0.0)  # another number, or the last value, is not odd
     return plain and silent and output.defuzzifier.resolution is None
 
 
 def _opposites(variable: Variable) -> dict[str, str]:
-    """Return the terms of a variable, each with that which is its mirror image."""
+    """Return the mirror image of each term of a variable."""
     if variable.low != -variable.high:
         return {}
     by_shape = {_corners(term.shape, 1.0): term.name for term in variable.terms}

@@ -1,9 +1,8 @@
-"""Claims that tubes decide: for a bounded time, or until all runs are in a region of their own.
+"""Claims decided by tubes: for a bounded time, or until all runs are in a proved region.
 
-A claim with an end needs a tube that long (:mod:`fuzzyarm.proof.loop.tube`). One without an end
-needs a tube as far as a proved region, an ellipsoid V ≤ 1 that no run leaves again and in which V
-falls by a known share in each period (:mod:`fuzzyarm.proof.check.region`): what holds from
-there on is read from V.
+A claim with an end needs a tube of that duration (:mod:`fuzzyarm.proof.loop.tube`). One without an
+end needs a tube up to a proved region, an invariant ellipsoid V ≤ 1 in which V falls by a known
+share in each period (:mod:`fuzzyarm.proof.check.region`): from there on bounds follow from V.
 """
 
 from __future__ import annotations
@@ -36,10 +35,10 @@ from fuzzyarm.proof.loop.tube import Tube, tube
 from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, stacked
 
 TUBE_BUDGET = 60.0
-"""Seconds that a tube may take where nothing is said."""
+"""Default budget of a tube, seconds."""
 
 PATIENCE = 32
-"""Control periods after which a box that comes no nearer to its goal may be halved."""
+"""Control periods after which a stalled box may be halved."""
 
 Tell = Callable[[float, int], None]
 
@@ -55,11 +54,11 @@ def followed(
     tell: Tell | None = None,
     haven: Haven | None = None,
 ) -> tuple[Tube, str]:
-    """Return the tube of a claim, and why it does not prove it; an empty text: it does.
+    """Return the tube of a claim, and why it does not prove the claim; empty if it does.
 
-    A claim without an end needs a haven, as far as which the tube goes. `tell` is told of the share
-    of the starts that is done and of how many boxes are open. LoopProofError, UnreadableError and
-    UnprovableError: the loop has something of which nothing is enclosed.
+    A claim without an end needs a haven, where the tube ends. `tell` is called with the finished
+    share of the starts and the number of open boxes. LoopProofError, UnreadableError and
+    UnprovableError: part of the loop has no enclosure.
     """
     horizon = _end(problem, claim) if haven is None else haven.horizon
     if not math.isfinite(horizon):
@@ -83,8 +82,8 @@ def followed(
 
 
 def _end(problem: LoopProblem, claim: LoopClaim) -> float:
-    """Return until when a claim counts, s: of a drive that jumps at its end the new value, too."""
-    if math.isinf(claim.end) or claim.error:  # both sides of a jump are at its sample
+    """Return the end of a claim, s; for a drive that jumps there, with its new value."""
+    if math.isinf(claim.end) or claim.error:  # both sides of a jump count at its sample
         return claim.end
     last = claimed_in(problem, claim).last or 0
     period = decimal(problem.period)
@@ -102,14 +101,14 @@ def loop_tube(
     budget: float = math.inf,
     tell: Tell | None = None,
 ) -> tuple[Tube, tuple[str, ...]]:
-    """Return where all runs of a loop are for a time, and in words which starts are left open.
+    """Return the tube of all runs of a loop for a time, and in words the starts left open.
 
     Parameters
     ----------
     text : ControllerText
         The controller.
     claim : LoopClaim
-        The plant, its set points, parameters and starts; nothing has to be claimed.
+        The plant, its set points, parameters and starts; the claim itself may be empty.
     duration : float
         s.
     plant, connect, sensors
@@ -117,12 +116,12 @@ def loop_tube(
     budget : float
         s.
     tell : callable, optional
-        Told of the share of the starts that is done and of how many boxes are open.
+        Called with the finished share of the starts and the number of open boxes.
 
     Raises
     ------
     LoopProofError, UnreadableError, UnprovableError
-        If the loop has something of which nothing is enclosed.
+        If part of the loop has no enclosure.
     """
     problem = problem_of(text, claim, plant=plant, connect=connect, sensors=sensors)
     problem.require_known_start()
@@ -133,7 +132,7 @@ def loop_tube(
 
 
 def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | None) -> str:
-    """Return in words how far a tube got, and which box is in the way."""
+    """Return in words how far a tube got, and which box failed."""
     what = "the region" if haven is not None and not claim.output else "the claim"
     if haven is not None and claim.output:
         what = "the claim and the region"
@@ -152,10 +151,10 @@ def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | 
 
 
 def in_the_way(tube: Tube) -> tuple[str, ...]:
-    """Return in words the first box of starts of which nothing is known."""
+    """Return in words the first box of starts without a proof."""
     if not tube.open:
         return ()
-    if not tube.open[0]:  # a start without a width: there is nothing to halve
+    if not tube.open[0]:  # a point start: nothing to halve
         never = f"the bounds grow too wide before {tube.duration:g} s, and the start is one point"
         return () if tube.complete else (f"{never}; a shorter time may be bounded",)
     box = ", ".join(
@@ -167,16 +166,16 @@ def in_the_way(tube: Tube) -> tuple[str, ...]:
 
 
 def horizon(problem: LoopProblem, claim: LoopClaim) -> float:
-    """Return how long runs are followed until they are in a region, s."""
+    """Return the longest time until runs are in a region, s."""
     rest = (problem.rests_from or 0) * problem.period
     return rest + max(problem.plant.duration or 0.0, 1000 * problem.period, claim.begin)
 
 
-# ── a region that is never left ──────────────────────────────────────────────────────
+# ── an invariant region ──────────────────────────────────────────────────────────────
 
 
 def claim_of_stability(claim: LoopClaim) -> LoopClaim:
-    """Return the claim that a loop is stable, from wherever its proof says."""
+    """Return the claim that a loop is stable, from the starts that its proof gives."""
     return replace(
         claim, stable=True, start=(), output="", error=False, low=0.0, high=0.0, when="always",
         begin=0.0, end=math.inf,
@@ -184,25 +183,25 @@ def claim_of_stability(claim: LoopClaim) -> LoopClaim:
 
 
 class Haven:
-    """A region that no run leaves, as somewhere for the boxes of a tube to arrive.
+    """An invariant region as the destination of a tube's boxes.
 
     Parameters
     ----------
     maker : FormMaker
         Of the loop.
     certificate : RegionProof
-        That it is stable as sampled; it is checked here once more.
+        Of stability of the sampled loop; checked here once more.
     loop : CheckedLoop
-        As the checker derived it.
+        The loop derived by the checker.
     claim : LoopClaim
-        What is to hold from there on.
+        The claim to hold from there on.
     rests_from : int, optional
-        The control period from which on its references are those of `maker`.
+        The control period from which on the references are those of `maker`.
 
     Raises
     ------
     LoopProofError
-        If the certificate proves nothing, or not even the rest of the loop fulfils the claim.
+        If the certificate proves nothing, or even the rest of the loop violates the claim.
     """
 
     def __init__(
@@ -234,7 +233,7 @@ class Haven:
         self._before: NDArray[np.float64] | None = None
 
     def _level(self) -> float:
-        """Return the largest V, among powers of 2, at which the claim holds from then on."""
+        """Return the largest V, among powers of 2, from which on the claim holds."""
         if not self.claim.output:
             return 1.0
         for halvings in range(40):
@@ -254,18 +253,18 @@ class Haven:
         )
 
     def sign(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.int64]:
-        """Return a goal of tubes: to be in the region, so deep that the claim holds in its time."""
+        """Return the goal of tubes: to be in the region, deep enough for the claim in its time."""
         values = self.values(states, memory)
         faded = values * self._fade(self.first - period)
-        # A factor and a product were rounded: two more roundings at most.
+        # Two more roundings at most: of a factor and a product.
         inside = (values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level)
         inside &= self.fixed(memory, states.shape[1])
-        if period < self.rests_from:  # no matter how far they are from where it comes to rest
+        if period < self.rests_from:  # distances from the final rest do not count yet
             return np.zeros(len(values), dtype=np.int64)
         return np.where(inside, 1, -self._is_stalled(period, values).astype(np.int64))
 
     def fixed(self, memory: Mapping[str, Number], batch: int) -> NDArray[np.bool_]:
-        """Tell in which boxes what the form takes as constant is what it is taken to be."""
+        """Return the boxes in which constants of the form have their assumed values."""
         fixed = np.ones(batch, dtype=bool)
         for name in self.maker.fixed:
             value, begun = memory[name], self.maker.begin[name]
@@ -276,9 +275,9 @@ class Haven:
         return fixed
 
     def _is_stalled(self, period: int, values: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which boxes came no nearer since half as many periods; only a hint to halve them."""
+        """Return the boxes no nearer than at half as many periods; only a hint to halve them."""
         stalled = np.zeros(len(values), dtype=bool)
-        # Looked at in periods 32, 64, 128 … only: each time against half as many.
+        # Tested in periods 32, 64, 128 … only, each time against half as many.
         if period & (period - 1) or period < PATIENCE:
             return stalled
         before, self._before = self._before, values
@@ -287,7 +286,7 @@ class Haven:
         return stalled
 
     def _fade(self, periods: int) -> float:
-        """Return by what V is multiplied at most in some periods, rounded up."""
+        """Return an upper bound of the factor on V over some periods."""
         if periods <= 0:
             return 1.0
         if periods not in self._fading:
@@ -297,19 +296,19 @@ class Haven:
     def values(self, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.float64]:
         """Return an upper bound of V in each box.
 
-        V ≤ (1 + slack) |Lᵀ z|², and each entry of Lᵀ z is an affine form: what states owe to the
-        same symbols cancels.
+        V ≤ (1 + slack) |Lᵀ z|², and each entry of Lᵀ z is an affine form, in which contributions of
+        the same symbol cancel.
         """
         return self.nearness(states, memory, 0).value
 
     def nearness(self, states: Forms, memory: Mapping[str, Number], count: int) -> Nearness:
-        """Return an upper bound of V in each box, and what makes boxes wide.
+        """Return an upper bound of V in each box, and the contributions to its width.
 
         The first `count` symbols of the states, shape (states, boxes), are the starts.
         """
         batch = states.shape[1]
         names = self.maker.problem.states
-        # z is counted from the true rest, of which an interval is known.
+        # z is the deviation from the true rest, known by an interval.
         rows: list[Forms] = []
         for name, rest in zip(self.loop.names, self.rests, strict=True):
             value = states[names.index(name)] if name in names else memory[name]
@@ -321,7 +320,7 @@ class Haven:
         centre = turn @ z.centre
         parts = np.abs(np.matmul(turn, z.parts))
         spread, more = parts.sum(axis=0), size @ z.rest
-        # Each entry is a sum of products: all of their roundings, over the sums of magnitudes.
+        # Each entry is a sum of products: all of their roundings, relative to sums of magnitudes.
         doubt = (len(turn) + len(parts) + 4) * ROUNDING * (size @ (np.abs(z.centre) + z.spread))
         most = (np.abs(centre) + spread + more + doubt) * ENLARGED
         value = ((most * most).sum(axis=0) * (1.0 + self.slack)) * ENLARGED
@@ -331,9 +330,9 @@ class Haven:
 
 
 def _factored(p: tuple[tuple[Fraction, ...], ...]) -> tuple[NDArray[np.float64], float]:
-    """Return L and a slack with P < (1 + slack) L Lᵀ, which is checked in rationals."""
+    """Return L and a slack with P < (1 + slack) L Lᵀ, checked in rationals."""
     plain = np.array([[float(x) for x in row] for row in p])
-    # With ones on the diagonal first: states differ in unit by orders of magnitude.
+    # Scaled to ones on the diagonal first: units of states differ by orders of magnitude.
     scale = 1.0 / np.sqrt(np.diag(plain))
     balanced = plain * scale[:, None] * scale[None, :]
     factor = np.linalg.cholesky(balanced) / scale[:, None]

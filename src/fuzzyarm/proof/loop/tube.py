@@ -1,13 +1,13 @@
-r"""Tubes: where all runs of a closed loop are, for a bounded time, between the samples too.
+r"""Reachable tubes of a closed loop for a bounded time, between the samples too.
 
 All starts of a box, all parameters of their intervals and all errors of sensors are followed
 together as a zonotope (:mod:`fuzzyarm.proof.loop.zonotope`), period by period in the order of the
 loop: sensors, controller, limits, then the plant with its inputs held
 (:mod:`fuzzyarm.proof.loop.flow`). Rule bases and tables enter as planes with a proved band
-(:mod:`fuzzyarm.proof.loop.planes`). What the controller remembers is part of the zonotope. A box
-that is too large for this is halved; boxes are followed side by side.
+(:mod:`fuzzyarm.proof.loop.planes`). The controller's memory is part of the zonotope. A box that is
+too large for this is halved; boxes are followed side by side.
 
-The claim is of the equations as they are written, in real arithmetic, not of an integrator's steps.
+The claim is about the equations in real arithmetic, not about an integrator's steps.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import Interval
 
 AT_ONCE = 64
-"""Boxes that are followed side by side."""
+"""Boxes followed side by side."""
 
 
 PARAMETERS_FIRST = 3
-"""How often parameters are halved before starts, of boxes that could not be followed."""
+"""Halvings of parameters before those of starts, for boxes without an enclosure."""
 
 Progress = Callable[[float, int], None]
-"""Told of the share of the first box that is done, and of how many boxes are open."""
+"""Called with the finished share of the first box, and the number of open boxes."""
 
 
 # ── tubes ────────────────────────────────────────────────────────────────────────────
@@ -46,12 +46,12 @@ Progress = Callable[[float, int], None]
 
 @json_properties("*")
 class PortBounds(NamedTuple):
-    """Between what a port is.
+    """Bounds of a port.
 
     Attributes
     ----------
     low, high : ndarray, shape (steps,)
-        In each stretch of time.
+        Bounds in each time interval.
     """
 
     low: Vector
@@ -61,34 +61,34 @@ class PortBounds(NamedTuple):
 @json_properties("duration boxes arrival ends ports=by_port")
 @dataclass(frozen=True, kw_only=True)
 class Tube:
-    """Where all runs are.
+    """Bounds of all runs.
 
     Attributes
     ----------
     problem : LoopProblem
-        Of which loop.
+        The loop.
     duration : float
-        How far it goes, s: whole control periods.
+        Duration of the tube, s: whole control periods.
     ports : tuple of str
         Outputs and inputs of the plant.
     begins, ends : ndarray, shape (steps,)
-        Of the stretches of time, s.
+        Begins and ends of the time intervals, s.
     low, high : ndarray, shape (steps, ports)
-        Between what each port is at all times of a stretch.
+        Bounds of each port during an interval.
     low_at, high_at : ndarray, shape (steps + 1, ports)
-        Between what it is at the start and at the end of each; inputs before they are changed.
+        Bounds at the ends of the intervals; of inputs before they change.
     boxes : int
-        Into how many boxes the starts were cut.
+        Number of boxes of the starts.
     open : tuple of dict of str to Interval
-        Parts of the starts of which a demand is not proved, or which could not be followed.
+        Parts of the starts with an unproved demand, or without an enclosure.
     complete : bool
-        Whether all parts of the starts were followed to the end: else nothing is bounded.
+        Whether all parts of the starts were followed to the end: else there are no bounds.
     seconds : float
-        How long it took.
+        Time taken.
     arrival : float
-        After which time all boxes have arrived at a goal, s; 0 where there was none.
+        Time until all boxes have arrived at the goal, s; 0 without a goal.
     reason : str
-        Why one of those that could not be followed ended; empty where there is none.
+        Why a box could not be followed; empty if all could.
     """
 
     problem: LoopProblem = field(repr=False)
@@ -108,19 +108,19 @@ class Tube:
     reason: str = ""
 
     def bounds(self, output: str, begin: float, end: float) -> Interval:
-        """Return between what an output (or a drive) is from one time to another.
+        """Return bounds of an output (or a drive) from one time to another.
 
         Parameters
         ----------
         output : str
             A port of the plant.
         begin, end : float
-            s, both included, as the decimals that they are printed as.
+            s, both included, as printed decimals.
 
         Raises
         ------
         EnclosureError
-            If parts of the starts were not followed so far.
+            If parts of the starts were not followed that long.
         """
         if not self.complete:
             raise EnclosureError("the tube does not contain all starts")
@@ -128,12 +128,12 @@ class Tube:
         return _between(self, column, begin, end)
 
     def by_port(self) -> dict[str, PortBounds]:
-        """Return the bounds of each port in all stretches of time."""
+        """Return the bounds of each port in all time intervals."""
         columns = zip(self.ports, self.low.T, self.high.T, strict=True)
         return {port: PortBounds(low, high) for port, low, high in columns}
 
     def lines(self) -> list[str]:
-        """Return in words where each port is: in all the time, and at its end."""
+        """Return in words the bounds of each port: over all time, and at its end."""
         report = []
         for port in self.ports:
             whole = self.bounds(port, 0.0, self.duration)
@@ -144,7 +144,7 @@ class Tube:
         return report
 
     def holds(self, demand: Demand) -> bool:
-        """Tell whether a demand is proved."""
+        """Return whether a demand is proved."""
         interval = self.bounds(demand.port, demand.begin, demand.end)
         return demand.low <= interval.low and interval.high <= demand.high
 
@@ -165,10 +165,10 @@ def _outward_text(x: float, *, up: bool) -> str:
 
 
 def _between(course: Tube, column: int, begin: float, end: float) -> Interval:
-    """Return the hull of the control periods that a stretch of time meets.
+    """Return the hull of the control periods that a time interval meets.
 
-    A period that is only touched at its end does not count, for inputs jump there: what holds at
-    that instant itself is in `low_at` and `high_at`.
+    A period touched at its end only does not count, since inputs jump there: bounds at that instant
+    are in `low_at` and `high_at`.
     """
     period = decimal(course.problem.period)
     first, last = decimal(begin) / period, decimal(end) / period
@@ -192,7 +192,7 @@ def tube(
     progress: Progress | None = None,
     goal: Goal | None = None,
 ) -> Tube:
-    """Follow all runs of a closed loop for a bounded time.
+    """Compute the tube of all runs of a closed loop for a bounded time.
 
     Parameters
     ----------
@@ -201,34 +201,33 @@ def tube(
     duration : float
         s; rounded up to whole control periods.
     demands : sequence of Demand, optional
-        Boxes of which one of these is not proved are halved. Without, only those that cannot be
-        followed.
+        Boxes with an unproved demand are halved; without demands only those without an enclosure.
     boxes : sequence of int, optional
-        Into how many parts the starts are cut at first, for each state and parameter that has a
-        width, in their order; powers of two.
+        Initial parts of the starts for each state and parameter with a width, in their order;
+        powers of two.
     budget : float
-        s, after which no box is halved any more, and none is followed to its end.
+        s; after that no box is halved, or followed to its end.
     most : int
-        Boxes at most.
+        Most boxes.
     progress : callable, optional
-        Told of how far it is.
+        Called with the progress.
     goal : callable, optional
-        Where boxes are to arrive; demands hold for each until then. The tube goes as far as
-        all of them were followed.
+        Destination of boxes; demands apply to each until arrival. The tube ends where all of them
+        have been followed.
 
     Returns
     -------
     Tube
-        With the parts of the starts of which nothing is known.
+        With the parts of the starts left open.
 
     Raises
     ------
     LoopProofError
-        If the plant or the controller has something of which nothing is enclosed.
+        If part of the plant or of the controller has no enclosure.
     UnreadableError
-        The same, of an operation in the equations.
+        If an operation in the equations has none.
     UnprovableError
-        The same, of a rule base.
+        If a rule base has none.
     """
     return _Bisection(problem, duration, tuple(demands), budget, most, progress, goal).tube(boxes)
 
@@ -262,7 +261,7 @@ class _Bisection:
             for group, course, weights in self._followed(batch, whole=not halves):
                 halved = list(group)
                 if course is not None:
-                    # While boxes can be halved, those with an open demand are; at the end they are
+                    # Boxes with an open demand are halved as long as possible; at the end they are
                     # reported.
                     complete = ~course.undone if halves else np.ones(len(group), dtype=bool)
                     if complete.any():
@@ -296,7 +295,7 @@ class _Bisection:
     def _followed(
         self, boxes: Sequence[Box], *, whole: bool
     ) -> list[tuple[list[Box], FollowedBoxes | None, Vector]]:
-        """Return boxes with their results (None: cannot be followed) and their widening."""
+        """Return boxes with their results (None: no enclosure) and their widening."""
         try:
             course = self.follower.follow(boxes, whole=whole)
             return [(list(boxes), course, course.weight)]
@@ -312,15 +311,15 @@ class _Bisection:
     def _dimension(self, box: Box, weight: Vector, *, lost: bool) -> int:
         """Return the dimension to halve: the one that widens the tube most, for its halvings.
 
-        Of a box that is `lost`, which could not be followed, parameters first: what starts are
-        apart fades, what parameters are apart acts in every period.
+        For a `lost` box, without an enclosure, parameters first: the spread of starts fades, the
+        spread of parameters acts in every period.
         """
         first = len(self.follower.wide)
         if lost and first < len(box.low):
             halvings = np.array(box.halvings[first:])
             if halvings.min() < PARAMETERS_FIRST:
                 return first + int(halvings.argmin())
-        # Each halving halves what a dimension is due; the small addend gives all of them their
+        # Each halving halves the contribution of a dimension; the small addend gives all their
         # turn.
         return int(np.argmax((weight + 0.05) * 0.5 ** np.array(box.halvings)))
 
@@ -333,7 +332,7 @@ class _Bisection:
     ) -> Tube:
         follower = self.follower
         period, names = decimal(follower.period), follower.names
-        # Boxes may have taken steps of other lengths: what is common to all are the periods.
+        # Boxes may have different steps; all share the control periods.
         lengths = [round(float(course.ends[-1])) for course in finished] or [follower.periods]
         common = min(lengths)
         stretches = (

@@ -1,7 +1,7 @@
 """Verdicts on claims about a loop: proved with a certificate, refuted by a run, or undecided.
 
-A search (floats, :mod:`fuzzyarm.proof.loop.search`) proposes certificates; *proved* is said only
-of one that :func:`verified` accepts, which derives the loop independently.
+A search (floats, :mod:`fuzzyarm.proof.loop.search`) proposes certificates; *proved* requires that
+:func:`verified` accepts one, with its own derivation of the loop.
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.proof.stop import Stop
 
 MOST_CHECKED = 8
-"""Proposals that are shown to the checker, the one of the largest region first."""
+"""Most proposals for the checker, the one with the largest region first."""
 
 EIGENVALUES = 5.0
-"""Seconds that the search for a growing deviation may take."""
+"""Time budget of the search for a growing deviation, seconds."""
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
@@ -77,44 +77,44 @@ class LoopVerdict(Shown):
     Attributes
     ----------
     statement : str
-        The claim, as it stands after ``prove``.
+        The claim, as written after ``prove``.
     verdict : str
         ``proved``, ``refuted`` or ``undecided``.
     region : dict of str to (float, float)
-        Where each state and each memory can be in the proved region, an ellipsoid; empty where
-        nothing is proved.
+        Bounds of each state and memory in the proved region, an ellipsoid; empty without a
+        proof.
     start_region : dict of str to float
-        By state of the plant, how far from rest the loop may start along it alone, everything
-        else at rest and the controller as it starts.
+        Largest deviation at the start along each state of the plant alone, everything else at rest
+        and the controller at its initial values.
     certificate : Certificate or None
-        What proves it.
+        The certificate.
     rest : dict of str to float
-        Where the loop rests.
+        The equilibrium.
     rests : dict of str to (float, float)
-        Between what, of states that rest elsewhere with other parameters.
+        Bounds of the equilibrium, for states whose rest depends on parameters.
     fall : float
-        By what share V falls in each period at least; 0 for a loop in continuous time.
+        Least relative fall of V in each period; 0 for a loop in continuous time.
     continuous : bool
-        Whether the proof is one of the loop in continuous time only.
+        Whether the proof is about the loop in continuous time only.
     evidence : tuple of str
-        Of what is refuted, the start and what the run from it did; of what a tube proves without
-        starts in the claim, which starts it had.
+        Of a refutation, the start and the run's violation; of a tube for a claim without starts,
+        the plant's own start.
     run : Run or None
-        That run.
+        The refuting run.
     tube : Tube or None
-        Where all runs are, of a claim that a tube proves, or was to prove.
+        The tube, for a claim decided or attempted by one.
     uncertain : tuple of str
-        The blocks of the form: what was taken as an unknown gain.
+        The blocks of the form: its uncertain gains.
     pieces : int
         Attempts of the search.
     seconds : float
-        How long it took.
+        Time taken.
     work : float
-        What of its budget it took, s.
+        Time of the budget spent, s.
     reason : str
         Why it is undecided, or what limits the region.
     line : int
-        Of the file; 0 for a claim from elsewhere.
+        Line in the file; 0 for a claim from elsewhere.
     claim : LoopClaim or None
         The claim.
     haven : RegionProof or None
@@ -147,7 +147,7 @@ class LoopVerdict(Shown):
 
     @property
     def proved(self) -> bool:
-        """Whether it holds."""
+        """Whether the claim is proved."""
         return self.verdict == PROVED
 
     @property
@@ -189,11 +189,11 @@ def judged(
 
 
 SEARCHED = 0.75
-"""Of the time for a region, what the search may take."""
+"""Share of the time for a region that the search may take."""
 
 
 class _Case:
-    """One claim on trial."""
+    """The proof of one claim."""
 
     def __init__(
         self, given: GivenLoop, claim: LoopClaim, budget: float, tell: Tell | None, *,
@@ -210,7 +210,7 @@ class _Case:
         self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
 
     def verdict(self) -> LoopVerdict:
-        """Judge the claim, within the time that there is."""
+        """Judge the claim within its budget."""
         self.stop.say(0)
         with self.stop, one_thread():
             return self._judgement()
@@ -219,7 +219,7 @@ class _Case:
         try:
             problem = self.given.problem(self.claim)
         except (ClaimError, PlantError):
-            raise  # the claim is at fault, not its proof
+            raise  # the claim is wrong, not its proof
         except FuzzyarmError as error:
             return self._said(UNDECIDED, reason=_sentence(error))
         if self.claim.output or self.claim.start:
@@ -233,7 +233,7 @@ class _Case:
         return loop_verdict
 
     def _by_region(self, problem: LoopProblem) -> LoopVerdict:
-        """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
+        """Judge a claim for all time: by a region around the start, or a tube into one."""
         try:
             maker = FormMaker(problem.at_rest, self.stop)
             self.maker = maker
@@ -249,7 +249,7 @@ class _Case:
         return verdict
 
     def _by_tube_and_region(self, problem: LoopProblem, maker: FormMaker) -> LoopVerdict | None:
-        """Return the verdict of a tube as far as a proved region; None without such a region."""
+        """Return the verdict by a tube into a proved region; None without such a region."""
         stable = self._searched(maker, claim_of_stability(self.claim), self.stop.half())
         if stable.certificate is None:
             return None
@@ -270,7 +270,7 @@ class _Case:
         )  # fmt: skip
 
     def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
-        """Judge a claim for a bounded time: by a tube; where that fails, by a region."""
+        """Judge a claim for a bounded time: by a tube; if that fails, by a region."""
         if self.continuous:
             reason = "a claim for a time is proved of the sampled loop (leave out --continuous)"
             return self._said(UNDECIDED, reason=reason)
@@ -282,7 +282,7 @@ class _Case:
             return self._said(UNDECIDED, reason=_sentence(error))
         if not reason:
             return self._said(PROVED, tube=way, evidence=_own_start(problem))
-        try:  # nothing of a reference that moves
+        try:  # not for a moving reference
             verdict = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
         except (FuzzyarmError, EnclosureError):
             verdict = None
@@ -292,7 +292,7 @@ class _Case:
         return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
 
     def _told_of_boxes(self, share: float, boxes: int) -> None:
-        """Show how far a tube is."""
+        """Report the progress of a tube."""
         self.stop.say(boxes, 1.0 - share)
 
     def _said(self, verdict: str, **facts: Any) -> LoopVerdict:
@@ -312,7 +312,7 @@ class _Case:
         reason = "no quadratic function was found that falls"
         good: list[Proposal] = []
         verdict: LoopVerdict | None = None
-        # What is found has to be judged within the time, too.
+        # The result has to be judged within the budget, too.
         search = stop if claim.output else Stop(SEARCHED * stop.left, stop.tell)
         for proposal in proposals(maker, claim, search, continuous=self.continuous, target=bounds):
             self.attempts += 1
@@ -331,7 +331,7 @@ class _Case:
                 if verdict is not None:
                     return verdict
         if not claim.output:
-            # The search has seen its own form of the loop; the largest that the checker accepts.
+            # The search knows its own form only: the largest region accepted by the checker wins.
             for proposal in sorted(good, key=lambda candidate: -candidate.size)[:MOST_CHECKED]:
                 if self.stop.now:
                     break
@@ -345,12 +345,12 @@ class _Case:
     def _judged(
         self, maker: FormMaker, claim: LoopClaim, proposal: Proposal
     ) -> tuple[LoopVerdict | None, str]:
-        """Return the verdict of the checker, and of runs as witnesses, on a proposal."""
+        """Return the verdict on a proposal by the checker, with runs as witnesses."""
         region = proposal.region(continuous=self.continuous)
         against, facts, loop = verified(maker.problem, claim, region, self.surfaces)
         if against or loop is None:
             return None, against
-        if not (region.rate or region.continuous):  # by how much V falls in each period
+        if not (region.rate or region.continuous):  # the fall of V in each period
             rate = _rate(maker.problem, loop, region, self.surfaces)
             region = replace(region, rate=rate)
             facts["fall"] = _float_down(rate)
@@ -364,14 +364,14 @@ class _Case:
         return self._said(PROVED, certificate=certificate, **facts), ""
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
-        """Return a refutation by a run from the starts of the claim, if one of some runs is one."""
-        if self.continuous:  # runs are those of the sampled loop
+        """Return a refutation by a run from the claim's starts, if one of the tried runs is one."""
+        if self.continuous:  # runs are of the sampled loop
             return None
         breach = refuting_run(problem, self.claim, self.stop)
         return breach and self._said(REFUTED, evidence=breach.words, run=breach.run)
 
     def _unstable(self, problem: LoopProblem) -> LoopVerdict | None:
-        """Return a refutation of stability by the loop next to rest."""
+        """Return a refutation of stability by the growth of a deviation near rest."""
         if self.continuous or self.maker is None:
             return None
         try:
@@ -389,7 +389,7 @@ class _Case:
 
 
 def _bounds_at_rest(problem: LoopProblem, claim: LoopClaim) -> tuple[float, float] | None:
-    """Return between what a port is to be, of which the claim is or whose error it bounds."""
+    """Return the claimed bounds at rest of a port, or of the port of a claimed error."""
     if not claim.error:
         return (claim.low, claim.high) if claim.output else None
     at = problem.set_point[problem.site.interface.port(claim.output)]
@@ -399,7 +399,7 @@ def _bounds_at_rest(problem: LoopProblem, claim: LoopClaim) -> tuple[float, floa
 def _rate(
     problem: LoopProblem, loop: CheckedLoop, region: RegionProof, surfaces: RuleSurfaces
 ) -> Fraction:
-    """Return by what share V falls in each period."""
+    """Return the proved relative fall of V in each period."""
     if not region.cones:
         return rate_of(loop, region.p, region.multipliers)
     parts = parts_of(problem, region, surfaces)
@@ -407,14 +407,14 @@ def _rate(
 
 
 def _keeps_memory(loop: System, states: int) -> bool:
-    """Tell whether a memory stays next to rest at any value, as a relay does."""
+    """Return whether a memory stays near rest at any value, as of a relay."""
     return any(
         all(x == (i == k) for k, x in enumerate(loop.move[i])) for i in range(states, loop.size)
     )
 
 
 def _own_start(problem: LoopProblem) -> tuple[str, ...]:
-    """Say where the plant starts by itself, of states of which a claim does not say it."""
+    """Return in words the plant's own start, for states without a start in the claim."""
     values = ", ".join(
         f"{name} = {number_text(problem.start[name].low)}" for name in problem.begins_alone
     )

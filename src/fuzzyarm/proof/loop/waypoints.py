@@ -1,9 +1,9 @@
-"""Boxes on the way of many tubes, for certificates of maps of loops that remember nothing.
+"""Waypoints of many tubes, for certificates of maps of loops without memory.
 
-Runs from far apart come onto one course: a drive at its limit, then a cruise, then the approach to
-rest. A box of all states on this course that leads into the region is somewhere to arrive for all
-of them; so the course is followed once, not once for each box of starts. What has become short is
-taken together: boxes side by side that arrive as one.
+Runs from far apart join one course: a drive at its limit, then a cruise, then the approach to rest.
+A box of all states on this course that leads into the region is a destination for all of them; so
+the course is followed once, not once for each box of starts. Short remaining tubes are joined:
+neighbouring boxes that arrive as one.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
 
 LONG = 96
-"""Periods from which on a tube is worth a waypoint."""
+"""Least periods of a tube that is worth a waypoint."""
 
 APART = 24
 """Periods from one waypoint to the next."""
 
 LONGEST = 160
-"""Periods that a box is followed to the next one."""
+"""Most periods of a box to the next waypoint."""
 
 WIDER = 1.3
-"""How much wider than the set that they are made of."""
+"""Ratio of a waypoint's width to that of its set."""
 
 LEAST = 0.1
-"""And by what share of the largest width on the way at least."""
+"""Least widening, as a share of the largest width on the way."""
 
 MOST_ROUNDS = 8
 
@@ -44,9 +44,9 @@ Box = tuple[Pair, ...]
 def waypoints(
     follower: Follower, tubes: Sequence[TubeProof]
 ) -> tuple[list[TubeProof], dict[TubeProof, int]]:
-    """Return boxes that lead into the region, each into those before it, and what leads into them.
+    """Return waypoints into the region, each into earlier ones, and the tubes that lead into them.
 
-    Of each tube that does, after how many periods.
+    Each such tube has its number of periods.
     """
     ways: list[TubeProof] = []
     caught: dict[TubeProof, int] = {}
@@ -70,7 +70,7 @@ def _into(
     follower: Follower, tubes: Sequence[TubeProof], periods: Sequence[int],
     ways: Sequence[TubeProof], numbers: Any = None,
 ) -> list[Followed]:  # fmt: skip
-    """Follow boxes until they are in some on the way."""
+    """Follow boxes until they are in waypoints."""
     task = Task(boxes=ends_of_boxes([way.box for way in ways]), any_period=True)
     return follower.follow([tube.box for tube in tubes], periods, task, numbers)
 
@@ -78,7 +78,7 @@ def _into(
 def _on_the_way(
     follower: Follower, tube: TubeProof, before: Sequence[TubeProof]
 ) -> list[TubeProof]:
-    """Return boxes on the way of a tube, each of which leads into the region or those before it."""
+    """Return waypoints of a tube, each of which leads into the region or into earlier ones."""
     course = np.array(_course(follower, tube))
     width = course[..., 1] - course[..., 0]
     least = LEAST * width.max(axis=0)
@@ -97,7 +97,7 @@ def _on_the_way(
         if not result.against
     ]
     rest = [TubeProof(box, LONGEST) for box in boxes[len(last) :]]
-    while found and rest:  # each into all before it, up to the first that does not
+    while found and rest:  # each into all before it, up to the first failure
         known = [*before, *found]
         numbers = len(known) + np.arange(len(rest))
         results = _into(follower, rest, [LONGEST] * len(rest), [*known, *rest], numbers)
@@ -112,7 +112,7 @@ def _on_the_way(
 
 @precisely
 def _course(follower: Follower, tube: TubeProof) -> list[list[tuple[float, float]]]:
-    """Return bounds of the states of one box of starts, sample by sample, until it arrives."""
+    """Return bounds of the states from one box of starts, sample by sample, until arrival."""
     follower.numbers.sets = 1
     now, found = follower._begin([tube.box]), list[list[tuple[float, float]]]()
     for k in range(tube.periods):
@@ -133,7 +133,7 @@ def joined(
     follower: Follower, ways: Sequence[TubeProof], caught: Mapping[TubeProof, int],
     axes: Sequence[int],
 ) -> dict[TubeProof, int]:  # fmt: skip
-    """Return boxes in place of some, larger where neighbours arrive as one."""
+    """Return boxes with neighbours joined that arrive as one."""
     periods, refused = dict(caught), set[Box]()
     while True:
         before = len(periods)

@@ -1,9 +1,9 @@
-"""Runs as witnesses against a proved region: other code than that which proved it.
+"""Runs as witnesses against a proved region, by independent code.
 
-A certificate rests on what the checker derives of the loop. The kernel that ``simulate`` runs
-shares nothing with that but the controller's instructions and the plant. So before *proved* is said
-of a region, runs begin at its border, and V must fall along them. They prove nothing; one that
-contradicts says that fuzzyarm is wrong.
+A certificate rests on the checker's derivation of the loop. The kernel of ``simulate`` shares only
+the controller's instructions and the plant with it. So before a verdict *proved*, runs start at the
+border of the region, and V must fall along them. They prove nothing; a contradiction is a fault of
+fuzzyarm.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from fuzzyarm.proof.stop import Stop
 RestWith = Callable[[Mapping[str, float]], Mapping[str, Fraction]]
 
 WITNESSES = 12
-"""Runs; at the border of the starts, in directions that are drawn."""
+"""Number of runs, from the border of the starts in random directions."""
 
 PERIODS = 200
-"""Control periods that each of them lasts."""
+"""Control periods of each run."""
 
 SLACK = 1e-6
-"""Share of the region by which the integrator of a run may be off."""
+"""Tolerance for the integrator of a run, as a share of the region."""
 
 
 def contradiction(
@@ -45,17 +45,17 @@ def contradiction(
     stop: Stop | None = None,
     rest_with: RestWith | None = None,
 ) -> str:
-    """Return which run contradicts a region that is as good as proved; empty: none of some did.
+    """Return a run that contradicts a region accepted by the checker; empty if none did.
 
-    Only a region of the sampled loop has runs. With some values of parameters the loop rests at
-    `rest_with`, by default in the middle for all. TimeOverError: `stop` has come.
+    Only a region of the sampled loop has runs. `rest_with` gives the rest for values of parameters,
+    by default the middle for all. TimeOverError: `stop` is over.
     """
     stop = stop or Stop()
     if certificate.continuous:
         return ""
     p = np.array([[float(x) for x in row] for row in certificate.p])
     reach = np.sqrt(float(certificate.growth) * np.maximum(np.diag(np.linalg.inv(p)), 0.0))
-    falls = certificate.growth == 1  # else functions of cones do
+    falls = certificate.growth == 1  # else the functions of cones fall
     duration = PERIODS * problem.period
     for start, values, loop in _starts(problem, of_all, certificate, rest_with):
         stop.check()
@@ -66,7 +66,7 @@ def contradiction(
         if run is None:
             continue
         against = _against(problem, loop, run, p=p, reach=reach, falls=falls)
-        if against:  # unless by the steps of its integrator only
+        if against:  # unless a finer integration agrees with V
             pair = converged(partial(_finer, problem, start, values, float(run.time[-1])), stop)
             if pair is not None:
                 against = _against(problem, loop, pair[1], p=p, reach=reach, falls=falls)
@@ -90,7 +90,7 @@ def _starts(
     problem: LoopProblem, loop: CheckedLoop, certificate: RegionProof,
     rest_with: RestWith | None,
 ) -> Iterator[tuple[dict[str, float], dict[str, float], CheckedLoop]]:  # fmt: skip
-    """Yield starts at the border of the region's, parameters, and the loop with these."""
+    """Yield starts at the border of the region's starts, parameters, and the loop with these."""
     names = problem.states
     if not has_known_start(problem, loop):
         return
@@ -117,15 +117,15 @@ def _starts(
 def _against(
     problem: LoopProblem, loop: CheckedLoop, run: Run, *, p: Vector, reach: Vector, falls: bool
 ) -> str:
-    """Return the event of a run that no run from the region has."""
+    """Return an event of a run that no run from the region can have."""
     if run.diverged is not None:
         return f"diverges after {run.diverged:.4g} s"
     course: Mapping[str, Vector] = _states_of(problem, run)
     for name, values in course.items():
         far = np.abs(values - float(loop.rest[name])).max() / reach[loop.names.index(name)]
-        if not far <= 1.0 + SLACK:  # or is not a number: its steps are too long
+        if not far <= 1.0 + SLACK:  # or NaN: its steps are too long
             return f"leaves the region: {name} goes {far:.4g} times beyond its reach"
-    if not falls or set(course) != set(loop.names):  # memory is not seen in a run
+    if not falls or set(course) != set(loop.names):  # a run does not show memory
         return ""
     z = np.array([course[name] - float(loop.rest[name]) for name in loop.names]).T
     level = np.einsum("ki,ij,kj->k", z, p, z)
@@ -135,7 +135,7 @@ def _against(
 
 
 def _states_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
-    """Return the states of the plant that are outputs, at all samples."""
+    """Return the plant's states that are outputs, at all samples."""
     interface = problem.site.interface
     key_of = dict(zip(problem.equations.states, problem.states, strict=True))
     states = {}

@@ -1,22 +1,21 @@
-r"""Affine forms over arrays: sets of states as zonotopes, with every rounding counted.
+r"""Affine forms over arrays: sets of states as zonotopes, with every rounding included.
 
-A form is ``c + Σ aᵢ εᵢ ± r``: a centre, a part of each **symbol** εᵢ in [-1, 1], and a **rest** of
-which nothing more is known. Several forms over the same symbols are a zonotope: what one symbol
-does to all of them it does together. So sums and multiples of forms are exact except for rounding,
-and of a product or a function only what is not linear goes into the rest,
+A form is ``c + Σ aᵢ εᵢ ± r``: a centre, a part of each **symbol** εᵢ in [-1, 1], and a **rest**, an
+independent remainder. Several forms over the same symbols are a zonotope: a symbol keeps its
+effects on all of them together. So sums and multiples of forms are exact except for rounding, and
+only the nonlinear part of a product or function goes into the rest,
 
     x y     with   Σᵢ Σₗ aᵢ bₗ εᵢ εₗ   bounded, where εᵢ² lies in [0, 1];
     g(x)  =  g(c) + g'(c) d + ½ g''(c) d² + ⅙ g'''(ξ) d³,   d = x - c, ξ between c and x,
     d²    =  ½ ρ² ± ½ ρ²,   d³ = ¾ ρ² d ± ¼ ρ³   (a Chebyshev polynomial),   |d| ≤ ρ.
 
 An array of forms has the shape of its centres, with one more axis in front for the symbols. The
-last axis is that of a **batch**: boxes that are followed at the same time, each with symbols of its
-own.
+last axis is the **batch**: boxes followed at the same time, each with its own symbols.
 
-Floats are off by at most 2⁻⁵³ of each result, so of a sum of products in any order by
-γₙ = n 2⁻⁵³ / (1 - n 2⁻⁵³) times the sum of their magnitudes, n the operations that one of them goes
-through (Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.1). That is added to
-the rest. What is computed of rests themselves is enlarged by :data:`ENLARGED`.
+The relative error of a float operation is at most 2⁻⁵³, so that of a sum of products in any order
+is at most γₙ = n 2⁻⁵³ / (1 - n 2⁻⁵³) times the sum of their magnitudes, with n operations on each
+term (Higham, *Accuracy and Stability of Numerical Algorithms*, section 3.1). It is added to the
+rest. Sums of rests themselves are enlarged by :data:`ENLARGED`.
 
 Sources: J. L. D. Comba and J. Stolfi, "Affine arithmetic and its applications to computer
 graphics", SIBGRAPI 1993; A. Girard, "Reachability of uncertain linear systems using zonotopes",
@@ -38,13 +37,13 @@ from fuzzyarm.symbolic.evaluation import derivative, specialise
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
 
 ENLARGED = 1.0 + 2.0**-40
-"""By which sums of magnitudes are enlarged: 4,000 roundings, where nothing cancels."""
+"""Enlargement of sums of magnitudes: 4,000 roundings, without cancellation."""
 
 ROUNDING = 2.0**-52
 """Twice the largest relative error of a rounding: γₙ ≤ n times this."""
 
 TINY = 1e-300
-"""More than the error of a thousand results below the smallest normal float."""
+"""More than the error of a thousand subnormal results."""
 
 
 def _total(parts: Vector) -> Vector:
@@ -88,7 +87,7 @@ class Forms:
 
     @classmethod
     def at(cls, values: Any) -> Forms:
-        """Return forms that are numbers."""
+        """Return constant forms."""
         centre = np.asarray(values, float)
         zeros = np.zeros_like(centre)
         return cls(centre, np.zeros((0, *centre.shape)), zeros, zeros)
@@ -122,12 +121,12 @@ class Forms:
 
     @property
     def radius(self) -> Vector:
-        """How far values may be from the centre, rounded up."""
+        """The largest distance of values from the centre, rounded up."""
         return np.asarray((self.spread + self.rest) * ENLARGED)
 
     @property
     def bounds(self) -> Intervals:
-        """The smallest intervals that hold all values, rounded outward."""
+        """The smallest intervals around all values, rounded outward."""
         intervals = outward(self.centre - self.radius, self.centre + self.radius)
         exact = self.radius == 0.0
         return Intervals(
@@ -150,8 +149,8 @@ class Forms:
     def with_symbols(self, count: int, symbols: Sequence[int] | None = None) -> Forms:
         """Return the same forms over `count` symbols.
 
-        `symbols` are, of each form along the first axis (or of the only one), the one that its rest
-        becomes. No other form may be over that symbol.
+        `symbols`: for each form along the first axis (or the only one), the new symbol for its
+        rest. No other form may use that symbol.
         """
         parts = np.zeros((count, *self.shape))
         parts[: len(self.parts)] = self.parts
@@ -168,8 +167,8 @@ class Forms:
     def reduced(self, columns: int, most: int) -> Forms:
         """Return forms, one for each state along the first axis, over fewer symbols.
 
-        The symbols that matter least become one for each state (Girard's method): of a zonotope
-        the smallest box around what they span. The first `columns` symbols stay.
+        The smallest symbols become one for each state (Girard's method): the bounding box of the
+        zonotope that they span. The first `columns` symbols stay.
         """
         states = self.shape[0]
         count = len(self.parts)
@@ -178,7 +177,7 @@ class Forms:
         sizes = np.abs(self.parts[columns:])
         scale = np.maximum(sizes.sum(axis=0), TINY)
         share = sizes / scale
-        # A symbol that one state has for itself is a box already.
+        # A symbol of a single state is a box already.
         weight = (share.sum(axis=1) - share.max(axis=1)).sum(axis=1)
         order = np.argsort(weight, kind="stable")
         dropped = order[: count - columns - (most - columns - states)]
@@ -214,7 +213,7 @@ class Forms:
         return -self + other
 
     def scaled(self, factor: Any) -> Forms:
-        """Return a multiple: one float, or one for each form."""
+        """Return a multiple: by one float, or one for each form."""
         factor = np.asarray(factor, float)
         size = np.abs(factor)
         centre, parts = self.centre * factor, self.parts * factor
@@ -242,7 +241,7 @@ class Forms:
             return self * other.function("reciprocal")
         if other == 0.0:
             raise EnclosureError("a division by 0")
-        return self.scaled(1.0 / other)  # two roundings, as counted there
+        return self.scaled(1.0 / other)  # two roundings, as included there
 
     def function(self, name: str) -> Forms:
         """Return a function of :data:`FUNCTIONS`."""
@@ -250,7 +249,7 @@ class Forms:
         start, slope, bend, *_ = _with_derivatives(name, Intervals.at(self.centre), 2)
         whole, _, bends, twist = _with_derivatives(name, self.bounds, 3)
         square = Intervals.at(radius).squared()
-        # In two ways: ½ g''(ξ) d²; or ½ g''(c) d² and the cube, of which a part is linear.
+        # Two bounds: ½ g''(ξ) d²; or ½ g''(c) d² and the cube, which has a linear part.
         curved = (bends * square * 0.5).hull(zero)
         cube = square * Intervals.at(radius)
         sizes, radii = Intervals.at(twist.size), Intervals.at(twist.radius)
@@ -267,12 +266,12 @@ class Forms:
         steep = slope.middle
         linear = self.scaled(steep)
         linear = Forms(np.zeros_like(steep), linear.parts, linear.rest, linear._spread)
-        # c is not in the scaled part: its rounding is counted at most once too often, which is
-        # harmless.
+        # c is not in the scaled part: its rounding is included at most once too often, which is
+        # sound.
         tilt = (slope.radius * radius) * ENLARGED
         forms = linear.within(tilt) + Forms.of(start + curved)
         plain = Forms.of(whole)
-        # What it shares with others is given up only where that is less than what is not linear.
+        # Dependence on symbols is dropped only if it is smaller than the nonlinear part.
         return chosen(plain.radius < forms.rest, plain, forms)
 
 
@@ -286,7 +285,7 @@ def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
 
 
 def joined(a: Forms, b: Forms, axis: int = 0) -> Forms:
-    """Return the forms of two arrays as one, along an axis."""
+    """Return two arrays of forms as one, along an axis."""
     a, b = aligned(a, b)
     pairs = (a.centre, b.centre), (a.parts, b.parts), (a.rest, b.rest)
     after = axis + 1 if axis >= 0 else axis  # symbols come first
@@ -357,7 +356,7 @@ def _derivatives_of(name: str) -> tuple[Node, ...]:
     """Return the first three derivatives of a function of `X`, from its record."""
     roots: list[Node] = [apply(name, X)]
     for _ in range(3):
-        # Its numbers are small multiples of powers of two: none of them is rounded.
+        # Its constants are small multiples of powers of two: none is rounded.
         roots.append(specialise(derivative(roots[-1], X.name), {}))
     return tuple(roots[1:])
 
@@ -366,7 +365,7 @@ PAIRS: dict[str, Callable[[Intervals], tuple[Intervals, Intervals]]] = {
     "sin cos": enclosure.waves,
     "sinh cosh": enclosure.hyperbolics,
 }
-"""Functions that are enclosed together, and are each other's derivatives."""
+"""Functions enclosed together, which are each other's derivatives."""
 
 
 def _with_derivatives(name: str, x: Intervals, count: int) -> tuple[Intervals, ...]:
@@ -396,7 +395,7 @@ def _enclosed(node: Node, values: Mapping[Node, Intervals]) -> Intervals:
         first, second = node.arguments
         if first is second:
             return arguments[0].squared()
-        if first is MINUS_ONE:  # nothing is rounded
+        if first is MINUS_ONE:  # no rounding
             return -arguments[1]
     if node.operation == "power":
         exponent = node.arguments[1]
@@ -414,20 +413,20 @@ _ARITHMETIC: dict[str, Callable[..., Intervals]] = {
 }
 
 FUNCTIONS = (*enclosure.FUNCTIONS, "reciprocal")
-"""Smooth functions of forms: operations of which :mod:`.enclosure` has the values."""
+"""Smooth functions of forms: operations with values in :mod:`.enclosure`."""
 
 
 # ── corners ──────────────────────────────────────────────────────────────────────────
 
 
 def positive_part(x: Forms) -> Forms:
-    """Return max(x, 0): where the sign is open, the band of a straight line around it."""
+    """Return max(x, 0): for an undecided sign, a band around a straight line."""
     bounds = x.bounds
     low, high = bounds.low, bounds.high
     if (low >= 0.0).all():
         return x
     undecided = (low < 0.0) & (high > 0.0)
-    # Any slope λ in [0, 1] will do: max(x, 0) - λ x lies between 0 and the larger of -λ l and
+    # Any slope λ in [0, 1] is sound: max(x, 0) - λ x lies between 0 and the larger of -λ l and
     # (1 - λ) h.
     slope = np.where(
         undecided, high / np.where(undecided, high - low, 1.0), (low >= 0.0).astype(float)
@@ -457,7 +456,7 @@ def smaller(a: Forms, b: Forms) -> Forms:
 
 
 def clip(x: Forms, low: float, high: float) -> Forms:
-    """Return x within limits, of which either may be infinite."""
+    """Return x within limits, either of which may be infinite."""
     bounds = x.bounds
     if np.isfinite(low) and np.any(bounds.low < low):
         x = positive_part(x - low) + low
