@@ -103,8 +103,22 @@ def is_odd(config: pytest.Config) -> bool:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """With ``--quick`` do not even read files that hold nothing for it."""
-    return True if config.getoption("--quick") and is_of_pages(collection_path) else None
+    """Do not even read files that hold nothing for ``--quick``, or for ``--run-skipped``."""
+    if config.getoption("--quick") and is_of_pages(collection_path):
+        return True
+    listed = config.getoption("--run-skipped")
+    if listed and collection_path.suffix == ".py":
+        _, files = skipped_tests(listed)
+        name = collection_path.relative_to(config.rootpath).as_posix()
+        return None if name in files else True
+    return None
+
+
+@functools.cache
+def skipped_tests(listed: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names in a list, of tests or of whole files, and the files that they are in."""
+    names = frozenset(Path(listed).read_text("utf-8").splitlines())
+    return names, frozenset(name.split("::")[0] for name in names)
 
 
 def is_of_pages(path: Path) -> bool:
@@ -122,7 +136,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items.sort(key=lambda item: item.path.parts)
     items.sort(key=seconds_of)
     if config.getoption("--run-skipped"):
-        skipped = {*Path(config.getoption("--run-skipped")).read_text("utf-8").splitlines()}
+        skipped, _ = skipped_tests(config.getoption("--run-skipped"))
         left = [item for item in items if not {item.nodeid, item.nodeid.split("::")[0]} & skipped]
         config.hook.pytest_deselected(items=left)
         gone = set(left)
