@@ -4,25 +4,16 @@ import re
 import shlex
 
 import pytest
+from fis import system
 
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.base.shipped_files import shipped
 
 RULES, TABLE, CONTROLLER = (str(shipped(n)) for n in ("pd7.frb", "thesis-6.1.lut", "servo.frb"))
 
-FIS = """\
-[System]
-Name='lamp'
-Type='mamdani'
-NumInputs=1
-NumOutputs=1
-NumRules=1
-AndMethod='min'
-OrMethod='max'
-ImpMethod='min'
-AggMethod='max'
-DefuzzMethod='centroid'
-
+FIS = (
+    system("lamp", rules=1)
+    + """\
 [Input1]
 Name='x'
 Range=[0 1]
@@ -38,6 +29,7 @@ MF1='low':'trimf',[-1 0 1]
 [Rules]
 1, 1 (1) : 1
 """
+)
 
 WANT_A_CONTROLLER = (
     "simulate {}",

@@ -166,24 +166,33 @@ def test_a_line_about_a_drive_is_proved(capsys, tmp_path):
     assert "proved: stable on motor: voltage in -24 .. 24" in capsys.readouterr().out
 
 
+OWN = (
+    "from fuzzyarm.plant import Plant, Port\n\n\n"
+    "class Own(Plant):\n"
+    "    name = 'own'\n"
+    "    inputs = {'voltage': Port('V')}\n"
+    "    outputs = {'position': Port('rad'), 'velocity': Port('rad/s', rate_of='position')}\n"
+    "    states = {'position': 'rad', 'velocity': 'rad/s'}\n"
+    "    axis = 'shaft'\n\n"
+)
+
+
+def said_of_own(folder, capsys):
+    """Return what is said of the plant in a folder, which cannot be traced."""
+    words = ["--plant", str(folder / "own.py"), "--connect", "shaft=plant", "--for", "3ms"]
+    assert main(["prove", SERVO, *words]) == 1
+    said = capsys.readouterr().err
+    assert "the equations of own cannot be traced" in said
+    return said
+
+
 def test_what_cannot_be_followed_is_said_by_name(capsys, tmp_path):
     (tmp_path / "own.py").write_text(
-        "from fuzzyarm.plant import Plant, Port\n\n\n"
-        "class Own(Plant):\n"
-        "    name = 'own'\n"
-        "    inputs = {'voltage': Port('V')}\n"
-        "    outputs = {'position': Port('rad'), 'velocity': Port('rad/s', rate_of='position')}\n"
-        "    states = {'position': 'rad', 'velocity': 'rad/s'}\n"
-        "    axis = 'shaft'\n\n"
-        "    def derivative(self, t, x, u, p):\n"
+        f"{OWN}    def derivative(self, t, x, u, p):\n"
         "        return [x[1], u[0] if x[0] > 0 else -u[0]]\n",
         encoding="utf-8",
     )
-    plant = str(tmp_path / "own.py")
-    words = ["prove", SERVO, "--plant", plant, "--connect", "shaft=plant", "--for", "3ms"]
-    assert main(words) == 1
-    said = capsys.readouterr().err
-    assert "the equations of own cannot be traced" in said
+    said = said_of_own(tmp_path, capsys)
     assert "--sensor-delay" not in said
 
 
@@ -222,15 +231,7 @@ def test_a_proof_begins_at_the_start_of_a_slewed_actuator(capsys, tmp_path, star
 def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start, queue):
     made = "    def start(self, rng):" if at_start else "    def __init__(self):"
     (tmp_path / "own.py").write_text(
-        "from collections import deque\n\n"
-        "from fuzzyarm.plant import Plant, Port\n\n\n"
-        "class Own(Plant):\n"
-        "    name = 'own'\n"
-        "    inputs = {'voltage': Port('V')}\n"
-        "    outputs = {'position': Port('rad'), 'velocity': Port('rad/s', rate_of='position')}\n"
-        "    states = {'position': 'rad', 'velocity': 'rad/s'}\n"
-        "    axis = 'shaft'\n\n"
-        f"{made}\n"
+        f"from collections import deque\n\n{OWN}{made}\n"
         f"        self.late = {queue}([0.0] * 5)\n"
         f"{'        return [0.0, 0.0]' if at_start else ''}\n\n"
         "    def step(self, t, x, u, p, dt):\n"
@@ -241,11 +242,7 @@ def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start,
         "        return [y, x[1]]\n",
         encoding="utf-8",
     )
-    plant = str(tmp_path / "own.py")
-    words = ["prove", SERVO, "--plant", plant, "--connect", "shaft=plant", "--for", "3ms"]
-    assert main(words) == 1
-    said = capsys.readouterr().err
-    assert "the equations of own cannot be traced" in said
+    said = said_of_own(tmp_path, capsys)
     assert "--sensor-delay PORT=TIME" in said
 
 

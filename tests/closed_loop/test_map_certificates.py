@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_start_map import CLIFF
 
 import fuzzyarm
 from fuzzyarm.apps.cli.main import main
@@ -20,20 +21,6 @@ from fuzzyarm.plant import find_plant
 from fuzzyarm.proof.check import Checked, check_certificate, checking, write_certificate
 from fuzzyarm.proof.check.certificate import sealed
 from fuzzyarm.proof.loop import MapSearch, StartMap, map_starts, read_claim
-
-PLANT = """from fuzzyarm.plant import Plant, Port
-
-
-class Cliff(Plant):
-    name = "cliff"
-    inputs = {"push": Port("N", -1.0, 1.0)}
-    outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}
-    states = {"y": "m"}
-    duration = 20.0
-
-    def derivative(self, t, x, u, p):
-        return [0.5 * x[0] + u[0]]
-"""
 
 CONTROLLER = """controller hold "a push against the fall"
 
@@ -67,7 +54,7 @@ def near(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
 def mapped(
     folder: Path,
     *,
-    plant: str = PLANT,
+    plant: str = CLIFF,
     controller: str = CONTROLLER,
     budget: float = 1.5,
     claim: str = "stable",
@@ -241,7 +228,7 @@ def test_the_command_writes_and_checks_it_and_the_code_says_it(
 @pytest.mark.slow
 def test_runs_beyond_an_error_bound_are_lost(tmp_path: Path) -> None:
     """y' = u = -y goes to rest from everywhere, but from beyond 1 its error is too large."""
-    text = PLANT.replace("bound=10.0", "error_bound=1.0").replace("0.5 * x[0] + u[0]", "u[0]")
+    text = CLIFF.replace("bound=10.0", "error_bound=1.0").replace("0.5 * x[0] + u[0]", "u[0]")
     found = mapped(tmp_path, plant=text)
     controller = fuzzyarm.load_controller(tmp_path / "hold.frb")
     plant = find_plant(str(tmp_path / "cliff.py"))
@@ -315,7 +302,7 @@ def test_the_head_of_a_program_has_the_window_and_where_other_states_begin(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with_more = PLANT.replace('{"y": "m"}', '{"y": "m", "z": "m"}')
+    with_more = CLIFF.replace('{"y": "m"}', '{"y": "m", "z": "m"}')
     with_more = with_more.replace("+ u[0]]", "+ u[0], 1.0 - x[1]]")
     with_more += "\n    def start(self, rng):\n        return [0.0, 0.25]\n"
     Path("cliff.py").write_text(with_more)

@@ -28,6 +28,7 @@ def test_there_are_at_least_200_cases_of_every_topic():
     assert {case.topic for case in ALL} == set(TOPICS)
 
 
+@pytest.mark.slow
 def test_every_file_follows_the_schema():
     assert suite.read_all() == ALL
 

@@ -473,3 +473,14 @@ def _changed(program, name, values, back, given):
     for key, own in back.items():
         values[own] = after[key]
     return after[unit.name]
+
+
+def demand_own_test(program: Program) -> None:
+    """Run the test of a program: it passes, and fails where a number is another one."""
+    test, wrong = (program.instance("made_test") for _ in range(2))
+    test.run()
+    assert test.values["passed"]
+    points = wrong.values["points_0"]
+    points[-1] = type(points[-1])(points[-1] + 1)
+    wrong.run()
+    assert not wrong.values["passed"], "a test that cannot fail"

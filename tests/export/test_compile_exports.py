@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_programs import HOST, compile_c, execute, need
+from fis import system
 
 from fuzzyarm import load
 from fuzzyarm.apps.cli import main
@@ -128,17 +129,9 @@ def test_every_output_gets_a_function(tmp_path, monkeypatch, capsys):
     assert Path("two.st").read_text().count("FUNCTION_BLOCK two_") == 2
 
 
-FIS = """[System]
-Name='tip'
-Type='mamdani'
-NumInputs=1
-NumOutputs=1
-NumRules=2
-AndMethod='min'
-OrMethod='max'
-ImpMethod='min'
-AggMethod='max'
-DefuzzMethod='centroid'
+FIS = (
+    system("tip")
+    + """\
 [Input1]
 Name='service'
 Range=[0 10]
@@ -155,6 +148,7 @@ MF2='generous':'trimf',[20 25 30]
 1, 1 (1) : 1
 2, 2 (1) : 1
 """
+)
 
 
 def test_a_foreign_file_is_inferred_and_a_table_has_to_be_asked_for(tmp_path, monkeypatch, capsys):

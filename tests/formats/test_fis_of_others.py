@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from fis import system
 
 from fuzzyarm import FileWarning, check_file, load
 from fuzzyarm.base.diagnostic import RuleBaseError, Severity
@@ -128,18 +129,9 @@ def test_what_is_not_of_type_1_is_refused_by_name_and_once(text: str, name: str,
     assert word in error.message
 
 
-TYPE_2 = """\
-[System]
-Name='t'
-Type='mamdani'
-NumInputs=1
-NumOutputs=1
-NumRules=2
-AndMethod='min'
-OrMethod='max'
-ImpMethod='min'
-AggMethod='max'
-DefuzzMethod='centroid'
+TYPE_2 = (
+    system("t")
+    + """\
 TypeRedMethod='KM'
 [Input1]
 Name='x'
@@ -161,6 +153,7 @@ MF2L='three':'trimf',[2.5 3 3.5]
 1, 1 (1) : 1
 2, 2 (1) : 1
 """
+)
 
 
 def test_the_keys_of_the_type_2_toolbox() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from budget import cases
+from fis import system
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -24,17 +25,9 @@ from tests import strategies
 
 POINTS = np.linspace(0.0, 1.0, 101)
 
-LIGHT = """[System]
-Name='light'
-Type='mamdani'
-NumInputs=2
-NumOutputs=1
-NumRules=3
-AndMethod='min'
-OrMethod='max'
-ImpMethod='min'
-AggMethod='max'
-DefuzzMethod='centroid'
+LIGHT = (
+    system("light", inputs=2, rules=3)
+    + """\
 [Input1]
 Name='sun'
 Range=[0 1]
@@ -57,6 +50,7 @@ MF2='bright':'trimf',[0.3 1 1.5]
 2 1, 2 (1) : 1
 0 -1, 1 (0.5) : 1
 """
+)
 
 MOVE = """[System]
 Name='move'

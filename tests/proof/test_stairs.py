@@ -68,7 +68,7 @@ def centroid(x, y, count, sampling, aggregation):
     return float((weights * total * at).sum() / (weights * total).sum())
 
 
-@settings(max_examples=cases(40, 400))
+@settings(max_examples=cases(20, 400))
 @given(
     x=st.floats(-1, 1),
     y=st.floats(-1, 1),

@@ -38,7 +38,7 @@ ASYMMETRIC = LookupTable(
 @settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
     deadline=None,
-    max_examples=cases(40, 120),
+    max_examples=cases(20, 120),
 )
 def test_every_format_reads_back_an_identical_table(tmp_path_factory, suffix, table):
     path = tmp_path_factory.mktemp("t") / f"table{suffix}"
