@@ -164,13 +164,23 @@ def sealed(data):
     return {**data, "seal": hashlib.sha256(text.encode()).hexdigest()}
 
 
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("certificate"))
+        name, text = plant_file(), law()
+        claim = read_claim(f"on '{name}' from y in 0.4 .. 0.5: y in 0.3 .. 0.6 during 0 .. 30 ms")
+        write_certificate(certify_tube(text, claim), "c.json")
+        assert check_certificate("c.json", trust=True).proved
+        return json.loads(Path("c.json").read_text(encoding="utf-8"))
+
+
 @pytest.fixture
-def certified(folder):
-    name, text = plant_file(), law()
-    claim = read_claim(f"on '{name}' from y in 0.4 .. 0.5: y in 0.3 .. 0.6 during 0 .. 30 ms")
-    write_certificate(certify_tube(text, claim), "c.json")
-    assert check_certificate("c.json", trust=True).proved
-    return json.loads(Path("c.json").read_text(encoding="utf-8"))
+def certified(folder, certificate):
+    """A certificate, in a folder with its plant and its controller."""
+    plant_file()
+    law()
+    return certificate
 
 
 def checked(data, **claim):
