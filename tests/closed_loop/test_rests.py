@@ -264,6 +264,101 @@ def test_a_part_that_is_undecided_is_named(by_parts):
     assert verdict.reason.startswith("with w in ")
 
 
+# ── a rest at an edge along a rate ───────────────────────────────────────────────────
+
+TWO = """rulebase two
+input e -1 .. 1
+input d -1 .. 1
+output u -1 .. 1
+term e L: triangle -3 -1 1.1
+term e H: triangle -1 1 3
+term d N: triangle -2 -1 0
+term d Z: triangle -1 0 1
+term d P: triangle 0 1 2
+term u NB: singleton -1
+term u NS: singleton -0.4
+term u ZE: singleton 0
+term u PB: singleton 1
+inference and product
+inference u: aggregation sum, defuzzifier weighted-average
+rule if e is L and d is N then u is NB
+rule if e is L and d is Z then u is NS
+rule if e is L and d is P then u is ZE
+rule if e is H and d is N then u is ZE
+rule if e is H and d is Z then u is PB
+rule if e is H and d is P then u is PB
+"""
+"""At d = 0 the surface has an edge along d, and along e it is a quotient."""
+
+BESIDE = """controller beside
+use two from "two.frb"
+period 20 ms
+axis spring
+  e = error of x
+  d = rate of e * 0.5, filter 50 ms
+  u = rules two(e, d)
+  drive force = u
+"""
+
+
+class Spring(Plant):
+    """A damped mass on a spring, so that the loop rests beside its set point."""
+
+    name = "spring"
+    inputs = {"force": Port("N", -2.0, 2.0)}
+    outputs = {"x": Port("m", -2.0, 2.0), "v": Port("m/s", -9.0, 9.0, rate_of="x")}
+    states = {"x": "m", "v": "m/s"}
+
+    def derivative(self, t, x, u, p):
+        return [x[1], u[0] - 0.3 * x[0] - 3.0 * x[1]]
+
+
+def beside_its_set_point(at):
+    """Return where the spring rests, of the quotient of two straight degrees."""
+    from scipy.optimize import brentq
+
+    def force(e):
+        low, high = (1.1 - e) / 2.1, (e + 1.0) / 2.0
+        return (-0.4 * low + high) / (low + high)
+
+    return brentq(lambda x: force(at - x) - 0.3 * x, -0.5, 1.2, xtol=1e-15)
+
+
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("beside")
+    (folder / "two.frb").write_text(TWO)
+    (folder / "beside.frb").write_text(BESIDE)
+    text = load(folder / "beside.frb")
+    claim = read_claim("stable at x = 0.3", "spring")
+    return text, prove_loop(text, claim, plant=Spring(), budget=60.0)
+
+
+def test_a_rest_at_an_edge_along_a_rate_is_proved_to_exist(beside):
+    text, verdict = beside
+    assert verdict.proved, str(verdict)
+    rest = verdict.certificate.region.evidence.rest
+    middle, doubt = rest["x"]
+    assert doubt > 0  # an irrational one
+    assert abs(beside_its_set_point(0.3) - float(middle)) < float(doubt)
+    assert check_certificate(verdict.certificate, text, Spring()).proved
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [lambda x, far: (x + 2 * far, far), lambda x, far: (x, far / 10**7), lambda x, far: (x, -far)],
+)
+@pytest.mark.parametrize("name", ["x", "spring.d before"])
+def test_another_interval_of_such_a_rest_is_refused(beside, name, changed):
+    text, verdict = beside
+    region = verdict.certificate.region
+    rest = {**region.evidence.rest, name: changed(*region.evidence.rest[name])}
+    false = replace(region, evidence=replace(region.evidence, rest=rest))
+    assert not check_certificate(
+        replace(verdict.certificate, regions=(false,)), text, Spring()
+    ).proved
+
+
 # ── guards ───────────────────────────────────────────────────────────────────────────
 
 

@@ -23,6 +23,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from operator import lt
 from typing import Any
 
 import numpy as np
@@ -168,6 +169,29 @@ def rest_within(
     return {name: ends(far)[1] for name, far in derivation.krawczyk().items()}
 
 
+Directions = Mapping[str, Mapping[str, Number]]
+"""By row of z, its slopes along the variables in use."""
+
+
+def _radii_of_rest(f: Matrix, jacobian: Matrix, radii: Sequence[Number]) -> list[Number]:
+    """Return the radii of Krawczyk's operator over a box, for F at its middle and slopes in it."""
+    try:
+        near = np.linalg.inv([[float(middle(x)) for x in row] for row in jacobian])
+    except np.linalg.LinAlgError:
+        raise LoopProofError("where it rests is not one point") from None
+    # Any matrix Y is sound; this one is close to the inverse.
+    y = [[exact(float(x)) for x in row] for row in near]
+    shift, turned = product(y, f), product(y, jacobian)
+    found = []
+    for i in range(len(f)):
+        total = -shift[i][0]  # row i of K - m
+        for j, far in enumerate(radii):
+            if far > 0:  # else K is not within, by its row j
+                total += (int(i == j) - turned[i][j]) * around(ZERO, far)
+        found.append(magnitude(total))
+    return found
+
+
 class _Derivation:
     def __init__(
         self, problem: LoopProblem, names: tuple[str, ...], evidence: Evidence,
@@ -198,7 +222,7 @@ class _Derivation:
         centre = {name: exact(self.evidence.rest[name][0]) for name in self.names}
         doubt = {name: exact(self.evidence.rest[name][1]) for name in self.names}
         if not any(doubt.values()):
-            if not all(rate.value == 0 for rate in self._steered(centre, ())):
+            if not all(rate.value == 0 for rate in self._steered(centre, {})):
                 raise LoopProofError("the loop does not rest at the stated point")
             return centre
         if not all(far > 0 for far in doubt.values()):
@@ -208,9 +232,9 @@ class _Derivation:
             raise LoopProofError("that there is a rest in its interval is not proved")
         return {name: around(centre[name], doubt[name]) for name in self.names}
 
-    def _steered(self, at: Mapping[str, Number], variables: Sequence[str]) -> list[Slope]:
+    def _steered(self, at: Mapping[str, Number], directions: Directions) -> list[Slope]:
         """Return the rates of the plant and the increments of the memory: 0 at rest."""
-        values = {n: Slope(x, {n: ONE} if n in variables else {}) for n, x in at.items()}
+        values = {n: Slope(x, directions.get(n, {})) for n, x in at.items()}
         plant = self._plant_values(values)
         problem, interface = self.problem, self.problem.site.interface
         outputs = dict(
@@ -241,24 +265,46 @@ class _Derivation:
         """
         names, rest = self.names, self.evidence.rest
         centre = {name: exact(rest[name][0]) for name in names}
-        box = {name: around(centre[name], exact(rest[name][1])) for name in names}
-        f = [[slope.value] for slope in self._steered(centre, ())]
-        slopes = self._steered(box, names)
-        jacobian = [[slope.along.get(name, ZERO) for name in names] for slope in slopes]
+        doubt = {name: exact(rest[name][1]) for name in names}
+        box = {name: around(centre[name], far) for name, far in doubt.items()}
+        f = [[slope.value] for slope in self._steered(centre, {})]
+        plain: Directions = {name: {name: ONE} for name in names}
+        jacobian = self._jacobian(box, plain)
+        found = _radii_of_rest(f, jacobian, list(doubt.values()))
+        if all(map(lt, found, doubt.values())):
+            return dict(zip(names, found, strict=True))
+        # Next to an edge of a rule base its slope along a rate is uncertain. At rest the rate is 0
+        # for certain, but in the box it is not, since y and the y before are apart. With memory as
+        # it follows the states, m = T x + m', it is nearly 0 along x. The set of |x| and |m'|
+        # below their radii lies in the box if those of m are |T| times those of x larger.
+        follows = self._followed(jacobian)
+        wider = [sum((abs(t) * doubt[n] for n, t in follows.get(name, {}).items()), ZERO)
+                 for name in names]  # fmt: skip
+        jacobian = self._jacobian(box, {n: {**plain[n], **follows.get(n, {})} for n in names})
+        radii = [far - more for far, more in zip(doubt.values(), wider, strict=True)]
+        found = _radii_of_rest(f, jacobian, radii)
+        return {name: far + more for name, far, more in zip(names, found, wider, strict=True)}
+
+    def _jacobian(self, box: Mapping[str, Number], directions: Directions) -> Matrix:
+        slopes = self._steered(box, directions)
+        return [[slope.along.get(name, ZERO) for name in self.names] for slope in slopes]
+
+    def _followed(self, jacobian: Matrix) -> Directions:
+        """Return how memory at rest follows the states of the plant: T, in floats; any is sound."""
+        count = len(self.problem.states)
+        rows = np.array([[float(middle(x)) for x in row] for row in jacobian[count:]])
+        if not len(rows):
+            return {}
         try:
-            near = np.linalg.inv([[float(middle(x)) for x in row] for row in jacobian])
+            follows = -np.linalg.solve(rows[:, count:], rows[:, :count])
         except np.linalg.LinAlgError:
-            raise LoopProofError("where it rests is not one point") from None
-        # Any matrix Y is sound; this one is close to the inverse.
-        y = [[exact(float(x)) for x in row] for row in near]
-        shift, turned = product(y, f), product(y, jacobian)
-        far = {}
-        for i, name in enumerate(names):
-            total = -shift[i][0]  # row i of K − m
-            for j, other in enumerate(names):
-                total += (int(i == j) - turned[i][j]) * (box[other] - centre[other])
-            far[name] = magnitude(total)
-        return far
+            return {}
+        if not np.isfinite(follows).all():
+            return {}
+        return {
+            name: {n: exact(float(x)) for n, x in zip(self.names[:count], row, strict=True)}
+            for name, row in zip(self.names[count:], follows, strict=True)
+        }
 
     # --- one period ---
 
