@@ -33,14 +33,31 @@ from fuzzyarm.language.model.controller import SignalLine, Source
 from fuzzyarm.learning.tuning.linear import straightened
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.proof.map.controllers import prove_drives, sampled_drive
+from fuzzyarm.symbolic.evaluation import evaluate
 from fuzzyarm.symbolic.kernels import SWITCH, has_machine_code
+from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 from fuzzyarm.symbolic.records import KindError
-from fuzzyarm.symbolic.sources import SOURCES, OptionKind, SourceState, source
+from fuzzyarm.symbolic.sources import SOURCES, OptionKind, SourceState, Surroundings, source
 from fuzzyarm.table import Axis, LookupTable
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "controllers.md"
 VALUES = st.lists(st.floats(-5, 5, width=32), min_size=1, max_size=40)
 WIDTHS = st.floats(1e-3, 8.0)
+SHARES = st.lists(
+    st.tuples(st.sampled_from([0.0, 1.0]) | st.floats(0, 1), st.integers(1, 30)),
+    min_size=1, max_size=5,
+)  # fmt: skip
+"""Targets as shares of a range, its ends among them, each with the periods towards it."""
+
+
+def moved(shares, at, step):
+    """Yield a signal that goes towards each target, by no more than a step in a period."""
+    x = 0.0
+    for share, periods in shares:
+        wanted = at.low + share * (at.high - at.low)
+        for _ in range(periods):
+            x = min(max(x + min(max(wanted - x, -step), step), at.low), at.high)
+            yield x
 
 
 def made(text, sheets=None):
@@ -145,17 +162,74 @@ def test_a_closed_loop_gives_the_same_bits(word, monkeypatch):
 
 
 @pytest.mark.parametrize("word", WORDS)
-@given(values=VALUES)
+@given(shares=SHARES)
 @settings(max_examples=cases(8, 20), deadline=None)
-def test_it_stays_where_it_is_said_to_reach(word, values):
+def test_it_stays_where_it_is_said_to_reach(word, shares):
     text = of(word)
-    reach = reaches_of(text, site_of(find_plant("motor"))).signals["shaft", "y"]
-    run, before = text.run(compiled=False), 0.0
-    for wanted in values:
-        before += min(max(wanted - before, -0.6), 0.6)  # as fast as the motor turns
-        run.step({"position": -before}, {"position": 0.0})
+    signals = reaches_of(text, site_of(find_plant("motor"))).signals
+    error, reach = signals["shaft", "e"].at, signals["shaft", "y"].at
+    run = text.run(compiled=False)
+    for x in moved(shares, error, 0.6):  # as fast as the motor turns
+        run.step({"position": -0.5 * x}, {"position": 0.5 * x})
         value = run.signal("shaft", "y")
-        assert reach.at.low - 1e-9 <= value <= reach.at.high + 1e-9
+        assert reach.low - 1e-9 <= value <= reach.high + 1e-9
+
+
+# --- What a record states beside its update ---
+
+UPDATED = [kind.name for kind in SOURCES.values() if kind.function is not None]
+NEAR = Surroundings(Interval(-2.0, 3.0), 40.0, 0.01, 10, {})
+EXAMPLES = {"number": 0.5, "figure": 0.5, "time": 0.05, "range": (-0.5, 1.0), "words": True}
+
+
+def settings_of(kind, *, every):
+    """Return values for the options that it needs, or for every one that is a value."""
+    return {
+        word: EXAMPLES[option.accepts]
+        for word, option in kind.options.items()
+        if option.needed or (every and option.accepts in EXAMPLES)
+    }
+
+
+def values_of(kind, options, xs):
+    """Return the values that the update and the next states of a record give."""
+    kind = kind.sized(options, NEAR.period)
+    names = [state.name for state in kind.states]
+    states = dict(zip(names, kind.starts(options), strict=True))
+    loop = {"period": NEAR.period, "last": 0.0, "excess": 0.0, "gain": 1.0}
+    for k, x in enumerate(xs):
+        known = {**kind.settings(options), **loop, **states, "x": x}
+        known["last"] = float(k % NEAR.every == NEAR.every - 1)
+        known["value"] = evaluate(kind.expression, known)
+        states = {name: evaluate(node, known) for name, node in zip(names, kind.nexts, strict=True)}
+        yield known["value"]
+
+
+@pytest.mark.parametrize("every", [False, True], ids=["needed", "every"])
+@pytest.mark.parametrize("word", UPDATED)
+@given(shares=SHARES)
+@settings(max_examples=cases(20, 60), deadline=None)
+def test_it_keeps_the_range_and_the_pace_of_its_record(word, every, shares):
+    kind = SOURCES[word]
+    options = settings_of(kind, every=every)
+    near = NEAR._replace(options=options)
+    within = kind.bounds(near) if kind.bounds is not None else EVERYTHING
+    pace = kind.pace(near) if kind.pace is not None else math.inf
+    before = None
+    for value in values_of(kind, options, moved(shares, near.at, near.pace * near.period)):
+        assert within.low - 1e-12 <= value <= within.high + 1e-12
+        assert before is None or abs(value - before) <= pace * near.period + 1e-12
+        before = value
+
+
+@pytest.mark.parametrize("word", [word for word in UPDATED if SOURCES[word].linear])
+@given(shares=SHARES)
+@settings(max_examples=cases(20, 60), deadline=None)
+def test_a_linear_one_doubles_with_its_operand(word, shares):
+    kind, xs = SOURCES[word], list(moved(shares, NEAR.at, 0.4))
+    options = settings_of(kind, every=False)
+    twice = values_of(kind, options, [2.0 * x for x in xs])
+    assert list(twice) == [2.0 * value for value in values_of(kind, options, xs)]
 
 
 @pytest.mark.parametrize("word", WORDS)

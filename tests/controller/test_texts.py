@@ -2,7 +2,7 @@
 
 import json
 import math
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from fuzzyarm.control.controllers import GainError
 from fuzzyarm.control.controllers.text import ControllerRun, PortError, with_files
 from fuzzyarm.inference import infer
 from fuzzyarm.language import RuleBaseError, format_text, parse, read_text
+from fuzzyarm.symbolic.sources import SOURCES
 from fuzzyarm.table import Axis, LookupTable
 
 PERIOD = 0.01
@@ -103,6 +104,17 @@ def played(values, half):
         yield y
 
 
+def delayed(values, periods):
+    return [*[values[0]] * periods, *values][: len(values)]
+
+
+def relayed(values, half, low, high):
+    level = low
+    for value in values:
+        level = high if value > half else low if value < -half else level
+        yield level
+
+
 ORACLES = {
     "u = measured x": lambda x: x,
     "u = error of x": lambda x: [-v for v in x],
@@ -114,11 +126,19 @@ ORACLES = {
     "u = integral of e, within -0.1 .. 0.05, start 0.02": lambda x: integrated(x, -0.1, 0.05, 0.02),
     "u = deadband of e, width 3": lambda x: [max(v - 1.5, 0.0) + min(v + 1.5, 0.0) for v in x],
     "u = hysteresis of e, width 3": lambda x: played(x, 1.5),
+    "u = delayed of e, time 30 ms": lambda x: delayed(x, 3),
+    "u = relay of e, width 3, levels -2 .. 5": lambda x: relayed(x, 1.5, -2.0, 5.0),
+    "u = sum of error of x": lambda x: accumulate(-v for v in x),
     "u = e * 2 - 3 * e / 4 + 1": lambda x: [v * 2 - 3 * v / 4 + 1 for v in x],
     "u = -e": lambda x: [-v for v in x],
     "u = e * -30 + e / -4": lambda x: [-30 * v - v / 4 for v in x],
     "u = lag of e * -3, time 0.2 s": lambda x: [-3 * v for v in lagged(x, 0.2)],
 }
+
+
+def test_every_source_has_an_oracle():
+    updated = {word for word, kind in SOURCES.items() if kind.function is not None}
+    assert updated - {line.split()[2] for line in ORACLES} == set()
 
 
 @pytest.mark.parametrize("line", ORACLES)
