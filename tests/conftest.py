@@ -13,6 +13,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Generator
 from pathlib import Path
+from typing import Any
 
 os.environ["FUZZYARM_PROGRESS"] = "0"  # a machine under load must not say more than another
 # Tests fill all cores by themselves: threads of a BLAS would only wait for each other, busily.
@@ -42,7 +43,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden",
         action="store_true",
-        help="rewrite golden files with what the code prints now",
+        help="run only the tests of written files and pages, which rewrite them",
     )
     parser.addoption(
         "--thorough",
@@ -127,7 +128,7 @@ def is_of_pages(path: Path) -> bool:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Run what is marked slow last; with ``--quick`` leave that out, and more.
+    """Run what is marked slow last; leave out what the options do not ask for.
 
     Of what is slow that goes first which says how many seconds it takes: what another worker has
     begun cannot be taken from it, so a long test at the end would leave the other core idle.
@@ -137,16 +138,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=seconds_of)
     if config.getoption("--run-skipped"):
         skipped, _ = skipped_tests(config.getoption("--run-skipped"))
-        left = [item for item in items if not {item.nodeid, item.nodeid.split("::")[0]} & skipped]
-        config.hook.pytest_deselected(items=left)
-        gone = set(left)
-        items[:] = [item for item in items if item not in gone]
+        keep(config, items, lambda item: {item.nodeid, item.nodeid.split("::")[0]} & skipped)
+    if config.getoption("--update-golden"):
+        keep(config, items, lambda item: "update_golden" in item.fixturenames)
     if config.getoption("--quick"):
-        left: dict[bool, list[pytest.Item]] = {True: [], False: []}
-        for item in items:
-            left[is_long(item)].append(item)
-        config.hook.pytest_deselected(items=left[True])
-        items[:] = left[False]
+        keep(config, items, lambda item: not is_long(item))
+
+
+def keep(config: pytest.Config, items: list[pytest.Item], wanted: Callable[[Any], object]) -> None:
+    """Leave out the tests that are not wanted."""
+    chosen: dict[bool, list[pytest.Item]] = {True: [], False: []}
+    for item in items:
+        chosen[bool(wanted(item))].append(item)
+    config.hook.pytest_deselected(items=chosen[False])
+    items[:] = chosen[True]
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

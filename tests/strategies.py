@@ -49,10 +49,9 @@ CONJUNCTIONS, DISJUNCTIONS = tuple(TNORMS), tuple(SNORMS)
 Draw = Any
 
 STRAIGHT = ("triangle", "trapezoid", "rectangle", "ramp", "points")
-SMOOTH = (
-    "gaussian", "two-sided-gaussian", "bell", "sigmoid", "sigmoid-difference",
-    "sigmoid-product", "z", "s", "pi", "concave", "cosine", "spike", "arc", "semi-ellipse",
-)  # fmt: skip
+SMOOTH = tuple(
+    name for name, kind in SHAPES.items() if kind.fuzzy and not (kind.straight or kind.own)
+)
 MONOTONIC = ("ramp", "sigmoid", "s", "z", "concave", "arc")
 SET_METHODS = tuple(
     name for name, record in DEFUZZIFIERS.items() if not (record.type2 or record.inverts)
@@ -134,9 +133,8 @@ def shapes(draw: Draw, kind: str, low: float, high: float) -> Shape:
     """A shape of one kind that lives around a range."""
     place = places(low, high)
     width = (high - low) * draw(st.sampled_from([0.05, 0.1, 0.25, 0.5]))
-    counts = {"triangle": 3, "trapezoid": 4, "rectangle": 2, "s": 2, "z": 2, "pi": 4}
-    if kind in counts:
-        count = counts[kind]
+    if SHAPES[kind].ordered:
+        count = len(SHAPES[kind].parameters)
         numbers = sorted(draw(st.lists(place, min_size=count, max_size=count)))
         if kind in {"rectangle", "s", "z"} and numbers[0] == numbers[1]:
             numbers[1] += width
@@ -167,7 +165,7 @@ def shapes(draw: Draw, kind: str, low: float, high: float) -> Shape:
         "spike": (centre, width),
         "singleton": (centre,),
     }
-    return Shape(kind, table[kind])
+    return Shape(kind, table.get(kind) or numbers_of(kind, low, high))
 
 
 @st.composite

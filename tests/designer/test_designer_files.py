@@ -6,6 +6,7 @@ import json
 import math
 import re
 import shutil
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from needs import requires
 
 import fuzzyarm
 from fuzzyarm.apps.builder.starting import PURPOSES
+from fuzzyarm.apps.cli import compile as compile_command
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.apps.designer.comparison import compare
 from fuzzyarm.apps.designer.exports import files_of, kinds_of
@@ -270,6 +272,13 @@ def test_what_cannot_be_exported_is_refused_in_words(folder, monkeypatch):
     assert kinds_of(Session("x.frb", servo)) == offered
     monkeypatch.setattr("fuzzyarm.apps.designer.exports.IN_PAGE", True)
     assert kinds_of(Session("x.frb", servo)) == [each for each in offered if each != ".fmu"]
+
+
+def test_every_export_has_a_name_in_the_page_and_in_the_help():
+    strings = (files("fuzzyarm.apps.designer") / "page" / "strings.js").read_text("utf-8")
+    named = re.findall(r'"(\.\w+)":', strings.partition("exportKinds")[2].partition("}")[0])
+    assert {*EXPORTS} - {".js"} <= {*named}
+    assert [suffix for suffix in EXPORTS if suffix not in compile_command.__doc__] == []
 
 
 def test_the_numbers_of_latex_are_those_of_the_table(folder):

@@ -26,6 +26,7 @@ from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language.edit import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.model.shapes import membership_function, polyline
+from fuzzyarm.symbolic import kinds
 
 TOKEN = "a" * 32
 PD7 = shipped("pd7.frb").read_text()
@@ -99,6 +100,7 @@ SHAPES = [
     ("trapezoid", (-math.inf, -math.inf, 0.0, 0.5)), ("trapezoid", (-3.0, -1.0, 0.2, 5.0)),
     ("trapezoid", (-math.inf,) * 2 + (math.inf,) * 2), ("rectangle", (-0.25, 0.75)),
     ("ramp", (-1.0, 0.5)), ("points", (-2.0, 0.25, 0.0, 1.0, 0.0, 0.5, 4.0, 0.0)),
+    ("binary", (0.5, math.inf)), ("binary", (0.5, -math.inf)), ("singleton", (0.25,)),
 ]  # fmt: skip
 
 CORNERS = """
@@ -136,6 +138,12 @@ CURVES = [
     ("ramp", (1.0, 3.0)), ("concave", (1.0, 3.0)), ("arc", (3.0, 1.0)),
     ("semi-ellipse", (1.0, 2.0)), ("triangle", (0.0, 1.0, 3.0)),
 ]  # fmt: skip
+
+
+def test_the_page_is_asked_for_every_shape():
+    fuzzy = {name for name, kind in kinds.SHAPES.items() if kind.fuzzy and not kind.own}
+    assert fuzzy == {kind for kind, _ in SHAPES + CURVES}
+
 
 WIDTHS_AND_MIRRORS = """
 import { WIDTHS, mirrorOf } from "./geometry/shapes.js";

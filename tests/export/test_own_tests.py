@@ -12,6 +12,8 @@ from own_tests import LANGUAGES, failing, failing_in_rust, tried_once  # noqa: F
 
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
+from fuzzyarm.base.folders import MODULES
+from fuzzyarm.exchange.export import languages
 from fuzzyarm.symbolic.formulas import FRB
 from fuzzyarm.symbolic.operations import OPERATIONS
 
@@ -57,6 +59,10 @@ def exported(folder: Path, suffix: str, capsys) -> tuple[list[Path], dict[str, s
 def without_partners(refused: dict[str, str]) -> list[str]:
     """Return the files that are refused for another reason than a law that is not text."""
     return [name for name, why in refused.items() if "which is not text" not in why]
+
+
+def test_every_language_of_modules_is_run():
+    assert {*MODULES} == {*languages.MODULES} <= {*LANGUAGES, ".js"}  # a .js is an .mjs
 
 
 REFUSED = {".scl": ["functions.frb"]}

@@ -34,8 +34,14 @@ def test_an_implication_is_the_least_of_its_lines_and_never_negative(name, stren
 @pytest.mark.parametrize("name", TNORMS)
 def test_a_positive_norm_vanishes_only_with_an_operand(name):
     above = [TNORMS[name].scalar(a, b) > 0.0 for a in TENTHS[1:] for b in TENTHS[1:]]
-    assert TNORMS[name].positive == all(above) or name in {"hamacher", "einstein"}
-    assert all(above) or not TNORMS[name].positive
+    assert TNORMS[name].positive == all(above)
+
+
+@pytest.mark.parametrize("name", TNORMS)
+def test_a_norm_that_leaves_ones_vanishes_below_one(name):
+    norm, below = TNORMS[name].scalar, [*TENTHS[:-1], 1.0 - 2.0**-53]
+    vanishes = all(norm(cut, degree) == 0.0 for cut in below for degree in below)
+    assert TNORMS[name].leaves_ones == vanishes
 
 
 def test_what_is_for_aggregation_alone():

@@ -107,13 +107,41 @@ def test_tables_of_kinds_are_those_of_the_records(head, update_golden):
     assert table == expected
 
 
+def words_of(names):
+    return " ".join(f"`{name}`" for name in names)
+
+
+def values_of_defuzzifiers():
+    of_intervals = [name for name, kind in DEFUZZIFIERS.items() if kind.type2]
+    of_sets = [name for name in DEFUZZIFIERS if name not in of_intervals]
+    return f"{words_of(of_sets)}; for interval type-2 terms {words_of(of_intervals)}"
+
+
+LISTED = {
+    "and": lambda: words_of(SETTINGS["and"].values),
+    "or": lambda: words_of(SETTINGS["or"].values),
+    "defuzzifier": values_of_defuzzifiers,
+}
+"""Settings with a name of a record, and their values as the page lists them."""
+
+
+@pytest.mark.parametrize("key", LISTED)
+def test_values_of_a_setting_are_those_of_the_records(key, update_golden):
+    page = PATH.read_text()
+    row = re.search(rf"^\| `{key}` \| (.*) \| \w+ \|$", page, re.MULTILINE)
+    if update_golden:
+        PATH.write_text(page[: row.start(1)] + LISTED[key]() + page[row.end(1) :])
+        return
+    assert row[1] == LISTED[key]()
+
+
 def test_settings_of_the_page_are_those_of_the_records():
     rows = re.findall(r"^\| `([\w-]+)` \| (.*) \| (\w+[\w ]*) \|$", PAGE, re.MULTILINE)
     stated = {key: (values, of) for key, values, of in rows if key in SETTINGS}
     assert list(stated) == ["and", "or", "implication", "threshold", "aggregation",
                             "defuzzifier", "no-rule", "outside"]  # fmt: skip
     assert set(stated) == set(SETTINGS)
-    for key in ("and", "or", "defuzzifier", "no-rule", "outside"):
+    for key in ("no-rule", "outside"):
         assert re.findall(r"`([a-z-]+)`", stated[key][0])[: len(SETTINGS[key].values)] == list(
             SETTINGS[key].values
         )

@@ -82,9 +82,11 @@ def with_words(grammar: str) -> str:
             pattern = (part["patterns"][index] if "patterns" in part else part)["match"]
         listed = _LIST.search(pattern)
         assert listed is not None
-        if set(listed[0].split("|")) == set(words):
-            continue  # the order is the grammar's own
-        changed = pattern[: listed.start()] + "|".join(words) + pattern[listed.end() :]
+        there, wanted = listed[0].split("|"), list(words)
+        # The order is the grammar's own: that of the records may be of a set.
+        kept = [word for word in there if word in wanted]
+        new_words = sorted({*wanted} - {*there})
+        changed = pattern[: listed.start()] + "|".join(kept + new_words) + pattern[listed.end() :]
         old, new = (json.dumps(text, ensure_ascii=False) for text in (pattern, changed))
         grammar = grammar.replace(old, new)
     return grammar

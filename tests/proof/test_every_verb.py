@@ -8,9 +8,11 @@ or false by sums of whole eighths, without inference. A verb without such a trut
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 
 import pytest
 from budget import cases
@@ -19,6 +21,7 @@ import fuzzyarm
 from fuzzyarm.language.statements import VERBS
 from fuzzyarm.proof.map import prove
 
+REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 PEAKS = [Fraction(k, 2) - 1 for k in range(5)]
 HEAD = "rulebase r\ninput x -1 .. 1\noutput y -8 .. 8\nterms x: triangles A B C D E\n"
 END = "inference defuzzifier weighted-average, no-rule error\n"
@@ -83,6 +86,12 @@ def drawn(verb: str, draw: random.Random) -> Numbers:
 
 def test_each_verb_has_a_truth() -> None:
     assert set(TRUTHS) == set(VERBS)
+
+
+@pytest.mark.parametrize("page", ["language", "metrics"])
+def test_each_verb_is_on_the_pages(page: str) -> None:
+    text = (REFERENCE / f"{page}.md").read_text("utf-8")
+    assert [verb for verb in VERBS if not re.search(rf"\bu {verb}\b", text)] == []
 
 
 @pytest.mark.parametrize("verb", TRUTHS)

@@ -13,10 +13,12 @@ To add a shape
 Add its record here, by the calls that users have (``docs/reference/kinds.md``), with the key of its
 source in :mod:`fuzzyarm.base.sources`. Scalars, arrays, machine code, every exported language,
 derivatives, bounds, completion, hover and the tables of ``docs/reference/language.md`` follow;
-``pytest --update-golden`` renews the pages and the editor's grammar.
-``tests/expression/test_readings.py`` and ``tests/kinds`` include it automatically; some values,
-worked out by hand from the source, go into ``tests/expression/test_definitions.py``. Its name in
-another program is a line of that program's dialect.
+``pytest --update-golden tests/language tests/lsp`` renews the page and the editor's grammar.
+``tests/expression``, ``tests/kinds`` and all drawn rule bases (``tests/strategies.py``) include it
+automatically; some values, worked out by hand from the source, go into
+``tests/expression/test_definitions.py``. Its names in other programs are ``names`` of the record.
+By hand: in ``geometry/shapes.js`` of the page the corners of a straight one, and a handle for each
+number that is not a position (``WIDTHS``); then ``make designer``.
 """
 
 from __future__ import annotations

@@ -17,7 +17,8 @@ templates) here, by its suffix in ``MODULES``; of Rust both take 82 lines. By ha
   names, foreign texts and samples that are not finite go through it then;
 - its words: the docstring of :mod:`fuzzyarm.apps.cli.compile`, ``exportKinds`` of the page's
   ``strings.js`` (then ``make designer``), ``docs/reference/export.md``; then
-  ``tools/make_reference.py``.
+  ``tools/make_reference.py``. ``tests/export/test_own_tests.py`` and
+  ``tests/designer/test_designer_files.py`` name what is missing.
 
 A language whose expressions only calculate takes `flattened` of :mod:`.structured_text` first;
 :mod:`.c` shows what a language may add: structs by axis, pointers to parts of arrays, files with
