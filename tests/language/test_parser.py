@@ -205,6 +205,7 @@ def test_every_mistake_is_reported_in_one_run_and_in_order():
         ("lookup\n  bins 1 2", "missing-levels", ""),
         ("lookup\n  levels 0 1 2\n  bins 1", "bad-bins", ""),
         ("lookup\n  round 0\n  levels 0 1", "bad-round", ""),
+        ("lookup\n  round e: 0.1\n  levels 0 1", "unexpected-token", ""),
         ("lookup\n  levels -7 .. 7 step 1", "levels-outside-range", ""),
         ("tune\n  peaks q", "unknown-variable", ""),
         ("tune\n  peaks e mirored", "unknown-setting", "mirrored"),

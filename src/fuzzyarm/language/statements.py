@@ -167,9 +167,9 @@ class LookupItem(NamedTuple):
     """
 
     key: Word
-    variable: Word | None
-    form: str
-    figures: tuple[Figure, ...]
+    variable: Word | None = None
+    form: str = "list"
+    figures: tuple[Figure, ...] = ()
     trivia: Trivia = Trivia()
     span: Span = NOWHERE
 
@@ -367,15 +367,14 @@ class Broken(NamedTuple):
 
 
 class _OwnerBeforeColon(Part):
-    """``VARIABLE:``, where the next token but one is a colon; offered unless it is `rare`."""
+    """``VARIABLE:``, where the next token but one is a colon."""
 
-    def __init__(self, field: str, what: str, role: str = "", *, rare: bool = False) -> None:
-        self.field, self.what, self.role, self.rare = field, what, role, rare
+    def __init__(self, field: str, what: str, role: str = "") -> None:
+        self.field, self.what, self.role = field, what, role
 
     def read(self, cursor: Cursor, values: Values) -> None:
         values[self.field] = None
-        if not self.rare:
-            cursor.suggest("targets", self.role)
+        cursor.suggest("targets", self.role)
         second = cursor.peek(1)
         if second is not None and second.kind == "mark" and second.text == ":":
             values[self.field] = cursor.variable(self.what, self.role)
@@ -544,7 +543,6 @@ LOOKUP_ROW = StatementRow(
                 _SampleNumbers("several", "mirrored"),
             ),
             "round": (
-                _OwnerBeforeColon("variable", "the name of an input", "input", rare=True),
                 Column(),
                 _SampleNumbers(),
             ),
