@@ -45,6 +45,8 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
 
 CONJUNCTIONS, DISJUNCTIONS = tuple(TNORMS), tuple(SNORMS)
+JUNCTIONS = tuple(name for name, norm in SNORMS.items() if not norm.aggregates)
+"""S-norms that an *or* may have."""
 
 Draw = Any
 
@@ -344,7 +346,7 @@ def blocks_of(
         tuple(rules),
         name,
         conjunction=draw(st.sampled_from(CONJUNCTIONS)),
-        disjunction=draw(st.sampled_from(DISJUNCTIONS[:7])),
+        disjunction=draw(st.sampled_from(JUNCTIONS)),
         implication=draw(st.sampled_from(CONJUNCTIONS)),
         threshold=draw(st.sampled_from([0.0, 0.0, 0.0, 0.25])),
     )

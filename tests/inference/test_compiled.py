@@ -52,6 +52,7 @@ from fuzzyarm.language.model.rulebase import (
 from fuzzyarm.learning.tuning.design import Design
 from fuzzyarm.symbolic import kernels
 from fuzzyarm.symbolic.kernels import has_machine_code
+from fuzzyarm.symbolic.kinds import TNORMS
 from tests.inference import small
 from tests.interpreted import interpreted
 from tests.strategies import (
@@ -307,7 +308,7 @@ def norms_base(conjunction: str, disjunction: str, aggregation: str) -> RuleBase
 
 
 @pytest.mark.parametrize(
-    ("conjunction", "disjunction"), list(zip(CONJUNCTIONS, DISJUNCTIONS[:7], strict=True))
+    ("conjunction", "disjunction"), [(name, TNORMS[name].dual or "max") for name in CONJUNCTIONS]
 )
 def test_every_norm(conjunction: str, disjunction: str) -> None:
     axis = np.linspace(-0.1, 1.1, 13)
