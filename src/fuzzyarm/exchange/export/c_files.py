@@ -25,8 +25,8 @@ from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import c_number
 from fuzzyarm.exchange.export.routine import (
     Routine,
+    c_comment,
     calls_functions,
-    comment,
     head_lines,
 )
 from fuzzyarm.exchange.export.steps import Steps, StepVariable
@@ -119,7 +119,7 @@ def controller_c(
 
     def head(text: _Text) -> list[str]:
         lines = [*words, "", *_use_words(printer, steps, text), f"self-test{text.test}"]
-        return [*comment(lines, "/*", " *", " */"), ""]
+        return c_comment(lines)
 
     return _written(printer, stem, head, calls_functions=steps.calls_functions)
 

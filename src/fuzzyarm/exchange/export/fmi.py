@@ -111,8 +111,37 @@ static void *copied(const void *from)
 }
 """
 
+# Functions in short: a name, the parameters after the instance, the statements; see `_in_full`.
 # A saved state is a copy of the bytes of an instance, which is sound because `unit` holds no
 # pointers. A state that a host passes to Get…State was returned before, so it is freed first.
+_STATES = """GetFMUSTATE(void **state)
+    free(*state);
+    *state = copied(instance);
+    return *state != NULL ? 0 : 3;
+SetFMUSTATE(void *state)
+    memcpy(instance, state, sizeof(unit));
+    return 0;
+FreeFMUSTATE(void **state)
+    free(*state);
+    *state = NULL;
+    return 0;
+SerializedFMUSTATESize(void *state, size_t *size)
+    *size = sizeof(unit);
+    return 0;
+SerializeFMUSTATE(void *state, BYTE bytes[], size_t size)
+    if (size < sizeof(unit)) {
+        return 3;
+    }
+    memcpy(bytes, state, sizeof(unit));
+    return 0;
+READFMUSTATE(const BYTE bytes[], size_t size,GAPvoid **state)
+    if (size != sizeof(unit)) {
+        return 3;
+    }
+    *state = copied(bytes);
+    return *state != NULL ? 0 : 3;
+"""
+
 _FMI2 = """
 EXPORT const char *fmi2GetTypesPlatform(void)
 {
@@ -135,122 +164,37 @@ EXPORT void fmi2FreeInstance(void *instance)
 {
     free(instance);
 }
-
-EXPORT int fmi2SetDebugLogging(void *instance, int on, size_t n, const char *const categories[])
-{
-    (void)instance, (void)on, (void)n, (void)categories;
+SetDebugLogging(int on, size_t n, const char *const categories[])
     return 0;
-}
-
-EXPORT int fmi2SetupExperiment(void *instance, int has_tolerance, double tolerance, double start,
+SetupExperiment(int has_tolerance, double tolerance, double start,
     int has_end, double end)
-{
-    (void)has_tolerance, (void)tolerance, (void)has_end, (void)end;
     ((unit *)instance)->start = start;
     return 0;
-}
-
-EXPORT int fmi2EnterInitializationMode(void *instance)
-{
-    (void)instance;
+EnterInitializationMode()
     return 0;
-}
-
-EXPORT int fmi2ExitInitializationMode(void *instance)
-{
-    (void)instance;
+ExitInitializationMode()
     return 0;
-}
-
-EXPORT int fmi2Terminate(void *instance)
-{
-    (void)instance;
+Terminate()
     return 0;
-}
-
-EXPORT int fmi2Reset(void *instance)
-{
+Reset()
     begin(instance);
     return 0;
-}
-
-EXPORT int fmi2GetReal(void *instance, const unsigned vr[], size_t n, double values[])
-{
+GetReal(const unsigned vr[], size_t n, double values[])
     return get_numbers(instance, vr, n, values);
-}
-
-EXPORT int fmi2SetReal(void *instance, const unsigned vr[], size_t n, const double values[])
-{
+SetReal(const unsigned vr[], size_t n, const double values[])
     return set_numbers(instance, vr, n, values);
-}
-
-EXPORT int fmi2DoStep(void *instance, double now, double size, int keeps_state)
-{
-    (void)keeps_state;
+DoStep(double now, double size, int keeps_state)
     advance(instance, now + size);
     return 0;
-}
-
-EXPORT int fmi2GetFMUstate(void *instance, void **state)
-{
-    free(*state);
-    *state = copied(instance);
-    return *state != NULL ? 0 : 3;
-}
-
-EXPORT int fmi2SetFMUstate(void *instance, void *state)
-{
-    memcpy(instance, state, sizeof(unit));
-    return 0;
-}
-
-EXPORT int fmi2FreeFMUstate(void *instance, void **state)
-{
-    (void)instance;
-    free(*state);
-    *state = NULL;
-    return 0;
-}
-
-EXPORT int fmi2SerializedFMUstateSize(void *instance, void *state, size_t *size)
-{
-    (void)instance, (void)state;
-    *size = sizeof(unit);
-    return 0;
-}
-
-EXPORT int fmi2SerializeFMUstate(void *instance, void *state, char bytes[], size_t size)
-{
-    (void)instance;
-    if (size < sizeof(unit)) {
-        return 3;
-    }
-    memcpy(bytes, state, sizeof(unit));
-    return 0;
-}
-
-EXPORT int fmi2DeSerializeFMUstate(void *instance, const char bytes[], size_t size, void **state)
-{
-    (void)instance;
-    if (size != sizeof(unit)) {
-        return 3;
-    }
-    *state = copied(bytes);
-    return *state != NULL ? 0 : 3;
-}
-"""
+STATES"""
 
 _FMI3 = """
 EXPORT const char *fmi3GetVersion(void)
 {
     return "3.0";
 }
-
-EXPORT int fmi3SetDebugLogging(void *instance, bool on, size_t n, const char *const categories[])
-{
-    (void)instance, (void)on, (void)n, (void)categories;
+SetDebugLogging(bool on, size_t n, const char *const categories[])
     return 0;
-}
 
 EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *given,
     const char *resources, bool visible, bool logging, bool events, bool early,
@@ -282,129 +226,39 @@ EXPORT void fmi3FreeInstance(void *instance)
 {
     free(instance);
 }
-
-EXPORT int fmi3EnterInitializationMode(void *instance, bool has_tolerance, double tolerance,
+EnterInitializationMode(bool has_tolerance, double tolerance,
     double start, bool has_end, double end)
-{
-    (void)has_tolerance, (void)tolerance, (void)has_end, (void)end;
     ((unit *)instance)->start = start;
     return 0;
-}
-
-EXPORT int fmi3ExitInitializationMode(void *instance)
-{
-    (void)instance;
+ExitInitializationMode()
     return 0;
-}
-
-EXPORT int fmi3EnterStepMode(void *instance)
-{
-    (void)instance;
+EnterStepMode()
     return 0;
-}
-
-EXPORT int fmi3Terminate(void *instance)
-{
-    (void)instance;
+Terminate()
     return 0;
-}
-
-EXPORT int fmi3Reset(void *instance)
-{
+Reset()
     begin(instance);
     return 0;
-}
-
-EXPORT int fmi3GetFloat64(void *instance, const unsigned vr[], size_t n, double values[], size_t m)
-{
+GetFloat64(const unsigned vr[], size_t n, double values[], size_t m)
     return n == m ? get_numbers(instance, vr, n, values) : 3;
-}
-
-EXPORT int fmi3SetFloat64(void *instance, const unsigned vr[], size_t n, const double values[],
+SetFloat64(const unsigned vr[], size_t n, const double values[],
     size_t m)
-{
     return n == m ? set_numbers(instance, vr, n, values) : 3;
-}
-
-EXPORT int fmi3DoStep(void *instance, double now, double size, bool keeps_state,
+DoStep(double now, double size, bool keeps_state,
     bool *event, bool *terminate, bool *early, double *last)
-{
-    (void)keeps_state;
     advance(instance, now + size);
     *event = *terminate = *early = false;
     *last = now + size;
     return 0;
-}
-
-EXPORT int fmi3GetFMUState(void *instance, void **state)
-{
-    free(*state);
-    *state = copied(instance);
-    return *state != NULL ? 0 : 3;
-}
-
-EXPORT int fmi3SetFMUState(void *instance, void *state)
-{
-    memcpy(instance, state, sizeof(unit));
-    return 0;
-}
-
-EXPORT int fmi3FreeFMUState(void *instance, void **state)
-{
-    (void)instance;
-    free(*state);
-    *state = NULL;
-    return 0;
-}
-
-EXPORT int fmi3SerializedFMUStateSize(void *instance, void *state, size_t *size)
-{
-    (void)instance, (void)state;
-    *size = sizeof(unit);
-    return 0;
-}
-
-EXPORT int fmi3SerializeFMUState(void *instance, void *state, unsigned char bytes[], size_t size)
-{
-    (void)instance;
-    if (size < sizeof(unit)) {
-        return 3;
-    }
-    memcpy(bytes, state, sizeof(unit));
-    return 0;
-}
-
-EXPORT int fmi3DeserializeFMUState(void *instance, const unsigned char bytes[], size_t size,
-    void **state)
-{
-    (void)instance;
-    if (size != sizeof(unit)) {
-        return 3;
-    }
-    *state = copied(bytes);
-    return *state != NULL ? 0 : 3;
-}
-
-EXPORT int fmi3GetNumberOfEventIndicators(void *instance, size_t *n)
-{
-    (void)instance;
+STATESGetNumberOfEventIndicators(size_t *n)
     *n = 0;
     return 0;
-}
-
-EXPORT int fmi3GetNumberOfContinuousStates(void *instance, size_t *n)
-{
-    (void)instance;
+GetNumberOfContinuousStates(size_t *n)
     *n = 0;
     return 0;
-}
-
-EXPORT int fmi3GetNumberOfVariableDependencies(void *instance, unsigned vr, size_t *n)
-{
-    (void)instance, (void)vr;
+GetNumberOfVariableDependencies(unsigned vr, size_t *n)
     *n = 0;
     return 0;
-}
 """
 
 # Parameters that many stubs share. A stub reads none of its arguments but the count `n`.
@@ -482,13 +336,34 @@ _STUBS3: tuple[tuple[str, str], ...] = (
 )  # fmt: skip
 
 
-def _stub(version: int, name: str, parameters: str) -> str:
+def _function(version: int, name: str, parameters: str, body: str, read: str) -> str:
+    """Return a function of an instance; parameters that `read` lacks are unused."""
     listed = f"void *instance, {parameters}" if parameters else "void *instance"
     names = [part.replace("[]", "").replace("*", " ").split()[-1] for part in listed.split(",")]
-    unused = ", ".join(f"(void){argument}" for argument in names)
+    unused = [f"(void){each}" for each in names if not re.search(rf"\b{each}\b", read)]
+    first = f"    {', '.join(unused)};\n" if unused else ""
+    return f"EXPORT int fmi{version}{name}({listed})\n{{\n{first}{body}}}\n"
+
+
+def _in_full(version: int, text: str) -> str:
+    """Return a text of C with its functions in short written out."""
+    words = {
+        2: {"STATE": "state", "BYTE": "char", "READ": "DeSerialize", "GAP": " "},
+        3: {"STATE": "State", "BYTE": "unsigned char", "READ": "Deserialize", "GAP": "\n    "},
+    }
+    states = re.sub("STATE|BYTE|READ|GAP", lambda word: words[version][word[0]], _STATES)
+    return re.sub(
+        r"^(\w+)\(([^)]*)\)\n((?: .*\n)+)",
+        lambda short: "\n" + _function(version, *short.groups(), read=short[3]),
+        text.replace("STATES", states),
+        flags=re.MULTILINE,
+    )
+
+
+def _stub(version: int, name: str, parameters: str) -> str:
     # A call for no value is not a mistake.
     result = f"n == 0 ? {OK} : {ERROR}" if "size_t n" in parameters else str(ERROR)
-    return f"EXPORT int fmi{version}{name}({listed})\n{{\n    {unused};\n    return {result};\n}}\n"
+    return _function(version, name, parameters, f"    return {result};\n", read="")
 
 
 @dataclass(frozen=True, slots=True)
@@ -548,7 +423,8 @@ def fmi_source(version: int, token: str, unit: UnitC) -> str:
         "ADVANCE": _lines(unit.advance),
     }
     text = re.sub(r"\b[A-Z]+\b", lambda match: words.get(match[0], match[0]), _COMMON)
-    return "\n".join([*_head(version), text + (_FMI2 if version == 2 else _FMI3), *_stubs(version)])
+    functions = _in_full(version, _FMI2 if version == 2 else _FMI3)
+    return "\n".join([*_head(version), text + functions, *_stubs(version)])
 
 
 def _lines(statements: Sequence[str]) -> str:

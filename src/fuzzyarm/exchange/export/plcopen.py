@@ -1,25 +1,25 @@
 """A project for a PLC, and the same as PLCopen XML (TC6, version 2.01), for import by IDEs.
 
 Formats that import Structured Text keep its declarations apart from its statements. They all begin
-with a `Project`, the text of a ``.st`` read back with its test program, so that none needs a
-printer. In XML declarations become elements; statements stay as they are.
+with the `Project` of a ``.st`` and its test program. In XML declarations become elements;
+statements stay as they are.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from xml.etree import ElementTree as Xml
 
 import numpy as np
 
+from fuzzyarm.exchange.export.c_files import TestSequence
 from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.document import xml_document
 from fuzzyarm.exchange.export.numbers import ST_TYPES, Kind, st_literal, st_number
-from fuzzyarm.exchange.export.routine import Routine, number_lines
-from fuzzyarm.exchange.export.structured_text import controller_st, structured_text
+from fuzzyarm.exchange.export.routine import Routine
+from fuzzyarm.exchange.export.structured_text import Declaration, Project, Unit, elements_text
 from fuzzyarm.symbolic.identifiers import Names
 from fuzzyarm.version import __version__
 
@@ -29,129 +29,39 @@ ELEMENTARY = frozenset({*ST_TYPES.values(), "BOOL"})
 TIME = "1980-01-01T00:00:00"
 """The time in the head of a file: the same source gives the same bytes."""
 
-# These read the text of our own printer only; `_units` asserts that nothing is left over.
-_UNIT = re.compile(
-    r"(?:\(\*(?P<head>(?:(?!\*\)).)*)\*\)\n)?"
-    r"(?P<sort>FUNCTION_BLOCK|FUNCTION|PROGRAM) (?P<name>\w+)(?: : (?P<type>\w+))?\n"
-    r"(?P<body>.*?)^END_(?P=sort)$",
-    re.DOTALL | re.MULTILINE,
-)
-_TYPE = re.compile(
-    r"^TYPE\n    (?P<name>\w+) : ARRAY \[0\.\.(?P<last>\d+)\] OF (?P<type>\w+);\nEND_TYPE\n",
-    re.MULTILINE,
-)
-_SECTION = re.compile(
-    r"^(?P<title>VAR(?:_INPUT|_OUTPUT|_IN_OUT| CONSTANT| RETAIN|))\n(?P<lines>.*?)^END_VAR$\n?",
-    re.DOTALL | re.MULTILINE,
-)
-_DECLARATION = re.compile(
-    r"(?P<name>\w+) : (?:ARRAY \[0\.\.(?P<last>\d+)\] OF )?(?P<type>\w+)"
-    r"(?: := (?P<start>\[.*?\]|[^;]*))?;(?: \(\* (?P<remark>.*?) \*\))?",
-    re.DOTALL,
-)
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """A variable: its type or that of its elements, the last index of an array, its initial value.
-
-    `start` is the text of the number, or of all elements; `remark` mostly is a unit; `named` is the
-    name of the type of an array that has one.
-    """
-
-    name: str
-    type: str
-    last: int | None
-    start: str
-    remark: str
-    named: str = ""
-
-    @property
-    def elements(self) -> list[str]:
-        """The numbers that an array starts with."""
-        return [text.strip() for text in self.start.strip("[]").split(",")]
-
-
-@dataclass(frozen=True)
-class DeclarationSection:
-    """Declarations under one title, as in ``VAR_INPUT``."""
-
-    title: str
-    declarations: tuple[Declaration, ...]
-
-
-@dataclass(frozen=True)
-class Unit:
-    """A function, a function block or a program; `returned` is the type of a function."""
-
-    head: str
-    sort: str
-    name: str
-    returned: str
-    sections: tuple[DeclarationSection, ...]
-    statements: str
-
-    def ports(self, title: str) -> list[str]:
-        """Return the variables under a title."""
-        return [
-            declaration.name
-            for section in self.sections
-            if section.title == title
-            for declaration in section.declarations
-        ]
-
-
-@dataclass(frozen=True)
-class Project:
-    """All units, callees first; the test program is the last one.
-
-    `blocks` are the names of the blocks that a program calls, `types` the arrays whose types have
-    names.
-    """
-
-    name: str
-    units: tuple[Unit, ...]
-    blocks: tuple[str, ...]
-    types: tuple[Declaration, ...] = ()
-
 
 @dataclass(frozen=True)
 class _BlockTest:
     """A block, with its expected results call by call."""
 
     block: str
-    inputs: Sequence[Sequence[float]]
-    expected: Sequence[Sequence[float]]
-    tolerance: float
+    vectors: TestSequence
     kind: Kind
     may_skip: bool = False  # whether it has an output for a period that an axis skips
 
 
-def routines_project(routines: Sequence[Routine], prefix: str) -> Project:
-    """Return a project with a function block for every routine."""
-    text, blocks = structured_text(routines, prefix)
-    trials = []
-    for routine, block in zip(routines, blocks, strict=True):
-        vectors = routine.vectors()
-        points = zip(*(column.tolist() for column in vectors.inputs), strict=True)
-        rows = [
-            (point, [value])
-            for point, value in zip(points, vectors.expected.tolist(), strict=True)
-            if not _has_subnormal(point, routine.kind)
-        ]
-        inputs, expected = [row[0] for row in rows], [row[1] for row in rows]
-        trials.append(_BlockTest(block, inputs, expected, vectors.tolerance, routine.kind))
-    return _project(text, prefix, trials)
+def with_test(project: Project, given: Sequence[Routine] | ControllerProgram) -> Project:
+    """Return a project with its test program, the last unit."""
+    if isinstance(given, ControllerProgram):
+        vectors, kind = given.tried.vectors, given.steps.precision.outside
+        trials = [_BlockTest(project.blocks[0], vectors, kind, may_skip=True)]
+    else:
+        pairs = zip(given, project.blocks, strict=True)
+        trials = [_BlockTest(block, _sequence(routine), routine.kind) for routine, block in pairs]
+    test = _test_program({unit.name: unit for unit in project.units}, project.name, trials)
+    return replace(project, units=(*project.units, test))
 
 
-def controller_project(program: ControllerProgram, prefix: str) -> Project:
-    """Return a project with a controller as a function block."""
-    text, block = controller_st(program, prefix)
-    vectors, kind = program.tried.vectors, program.steps.precision.outside
-    trial = _BlockTest(
-        block, vectors.inputs, vectors.expected, vectors.tolerance, kind, may_skip=True
-    )
-    return _project(text, prefix, [trial])
+def _sequence(routine: Routine) -> TestSequence:
+    """Return the points of a routine's self-test that a PLC reads as they are."""
+    vectors = routine.vectors()
+    points = zip(*(column.tolist() for column in vectors.inputs), strict=True)
+    rows = [
+        (point, [value])
+        for point, value in zip(points, vectors.expected.tolist(), strict=True)
+        if not _has_subnormal(point, routine.kind)
+    ]
+    return TestSequence([row[0] for row in rows], [row[1] for row in rows], vectors.tolerance)
 
 
 def _has_subnormal(point: Sequence[float], kind: Kind) -> bool:
@@ -162,78 +72,28 @@ def _has_subnormal(point: Sequence[float], kind: Kind) -> bool:
     return any(0.0 < abs(x) < smallest for x in point)
 
 
-def _project(text: str, prefix: str, trials: Sequence[_BlockTest]) -> Project:
-    types = {
-        match["name"]: Declaration("", match["type"], int(match["last"]), "", "", match["name"])
-        for match in _TYPE.finditer(text)
-    }
-    units = list(_units(_TYPE.sub("", text), types))
-    test = _test_program({unit.name: unit for unit in units}, prefix, trials)
-    blocks = tuple(trial.block for trial in trials)
-    return Project(prefix, (*units, *_units(test, types)), blocks, tuple(types.values()))
-
-
-def _units(text: str, types: Mapping[str, Declaration]) -> Iterator[Unit]:
-    """Yield the units of a text, and be sure that nothing lies between them."""
-    end = 0
-    for match in _UNIT.finditer(text):
-        assert not text[end : match.start()].strip(), text[end : match.start()]
-        end = match.end()
-        yield _unit(match, types)
-    assert not text[end:].strip(), text[end:]
-
-
-def _unit(match: re.Match[str], types: Mapping[str, Declaration]) -> Unit:
-    sections, last = [], 0
-    for section in _SECTION.finditer(match["body"]):
-        last = section.end()
-        declarations = tuple(
-            _declaration(declaration, types)
-            for declaration in _DECLARATION.finditer(section["lines"])
-        )
-        sections.append(DeclarationSection(section["title"], declarations))
-    lines = (match["head"] or "").strip("\n").split("\n")
-    head = "\n".join(re.sub(r"^ \* ?", "", line) for line in lines).strip()
-    statements = match["body"][last:].strip("\n") + "\n"
-    return Unit(
-        head, match["sort"], match["name"], match["type"] or "", tuple(sections), statements
-    )
-
-
-def _declaration(match: re.Match[str], types: Mapping[str, Declaration]) -> Declaration:
-    last = None if match["last"] is None else int(match["last"])
-    plain = Declaration(match["name"], match["type"], last, "", match["remark"] or "")
-    array = types.get(plain.type, plain)
-    start = (match["start"] or "").strip()
-    return replace(plain, type=array.type, last=array.last, start=start, named=array.named)
-
-
-def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTest]) -> str:
+def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTest]) -> Unit:
     """Return a program whose variable `passed` is TRUE after one cycle if all is well."""
     names = Names("st", set(units))
-    declarations, lines = ["    passed : BOOL;", "    k : DINT;"], ["passed := TRUE;"]
+    declarations = [Declaration("passed", "BOOL"), Declaration("k", "DINT")]
+    lines = ["passed := TRUE;"]
     for number, trial in enumerate(trials):
-        if not trial.expected:
+        given, expected = trial.vectors.inputs, trial.vectors.expected
+        if not expected:
             continue
         unit = units[trial.block]
-        inputs = unit.ports("VAR_INPUT")[: len(trial.inputs[0])]
-        drives = unit.ports("VAR_OUTPUT")[: len(trial.expected[0])]
+        inputs = unit.ports("VAR_INPUT")[: len(given[0])]
+        drives = unit.ports("VAR_OUTPUT")[: len(expected[0])]
         # One flat array: row k has the inputs of call k, then the outputs expected of it.
         block, points = f"tested_{number}", f"points_{number}"
         width = len(inputs) + len(drives)
-        rows = [
-            x
-            for pair in zip(trial.inputs, trial.expected, strict=True)
-            for x in (*pair[0], *pair[1])
-        ]
+        rows = [x for pair in zip(given, expected, strict=True) for x in (*pair[0], *pair[1])]
         lost = [i for i, x in enumerate(rows) if math.isnan(x)]
         literals = [st_number(0.0 if math.isnan(x) else x, trial.kind) for x in rows]
-        body = "\n".join(number_lines(literals, width, indent="        "))
-        of = f"ARRAY [0..{len(literals) - 1}] OF {ST_TYPES[trial.kind]}"
+        kind, start = ST_TYPES[trial.kind], elements_text(literals, width)
         declarations += [
-            f"    {block} : {trial.block};",
-            f"    {points} : {of} := [\n{body}\n    ];",
-        ]
+            Declaration(block, trial.block), Declaration(points, kind, len(literals) - 1, start),
+        ]  # fmt: skip
         arguments = ", ".join(
             f"{name} := {points}[k * {width} + {i}]" for i, name in enumerate(inputs)
         )
@@ -241,33 +101,32 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
             # Nor is a literal beyond a REAL one of every compiler (matiec): 1e30 is squared.
             infinite = f"infinite_{number}"
             large = st_number(1e30, trial.kind)
-            declarations.append(f"    {infinite} : {ST_TYPES[trial.kind]} := {large};")
+            declarations.append(Declaration(infinite, kind, start=large))
             lines += ["FOR k := 0 TO 3 DO", f"    {infinite} := {infinite} * {infinite};"]
             lines.append("END_FOR;")
             lines += [f"{points}[{i}] := {infinite} - {infinite};" for i in lost]
-        lines.append(f"FOR k := 0 TO {len(trial.expected) - 1} DO")
+        lines.append(f"FOR k := 0 TO {len(expected) - 1} DO")
         lines.append(f"    {block}({arguments});")
         for i, name in enumerate(drives):
             place = f"{points}[k * {width} + {len(inputs) + i}]"
             condition = f"{block}.{name} <> {place}"
             # Fixed-point blocks have to agree exactly.
             if not np.issubdtype(trial.kind, np.integer):
-                tolerance = st_literal(trial.tolerance, trial.kind)
+                tolerance = st_literal(trial.vectors.tolerance, trial.kind)
                 # Written as a positive condition: a comparison with NaN is false.
                 condition = f"NOT (ABS({block}.{name} - {place}) <= {tolerance})"
             lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]
-        given = [f"{points}[k * {width} + {i}]" for i in range(len(inputs))]
-        numbers = " AND ".join(f"{place} = {place}" for place in given)
+        read = [f"{points}[k * {width} + {i}]" for i in range(len(inputs))]
+        numbers = " AND ".join(f"{place} = {place}" for place in read)
         for flag in unit.ports("VAR_OUTPUT")[len(drives) :]:
             # Of a rule base: whether one fires; of a controller: whether it skips the period.
             wrong = f"{block}.{flag} = ({numbers})" if trial.may_skip else f"NOT {block}.{flag}"
             lines += [f"    IF {wrong} THEN", "        passed := FALSE;", "    END_IF;"]
         lines.append("END_FOR;")
     name = names.new(f"{prefix}_test")
-    head = "(* passed is TRUE after one cycle if the blocks agree with the model *)"
-    return "\n".join(
-        [head, f"PROGRAM {name}", "VAR", *declarations, "END_VAR", "", *lines, "END_PROGRAM", ""]
-    )
+    head = "passed is TRUE after one cycle if the blocks agree with the model"
+    statements = "".join(f"{line}\n" for line in lines)
+    return Unit(head, "PROGRAM", name, "", {"VAR": declarations}, statements)
 
 
 _SPACE = "http://www.plcopen.org/xml/tc6_0201"
@@ -331,10 +190,10 @@ def _pou(unit: Unit) -> Xml.Element:
     if unit.returned:
         returned = Xml.SubElement(interface, _of("returnType"))
         returned.append(_type(unit.returned))
-    for section in unit.sections:
-        name, words = _LISTS[section.title]
+    for title, declarations in unit.sections.items():
+        name, words = _LISTS[title]
         listed = Xml.SubElement(interface, _of(name), words)
-        for declaration in section.declarations:
+        for declaration in declarations:
             listed.append(_variable(declaration))
     body = Xml.SubElement(Xml.SubElement(pou, _of("body")), _of("ST"))
     Xml.SubElement(body, f"{{{_TEXT}}}p").text = unit.statements

@@ -149,7 +149,7 @@ def head_lines(
         f"use: {use}",
         f"self-test{test}",
     ]
-    return [*comment(lines, "/*", " *", " */"), ""]
+    return c_comment(lines)
 
 
 def calls_functions(routine: Routine) -> bool:
@@ -203,18 +203,27 @@ def _indented(lines: Sequence[str]) -> list[str]:
     return [f"  {line}" for line in lines]
 
 
-def comment(lines: Sequence[str], first: str, every: str, last: str) -> list[str]:
-    """Return lines as a block comment; nothing in them can end it or start another."""
+def wrapped(lines: Sequence[str]) -> list[str]:
+    """Return lines as those of a block comment; nothing in them can end it or start another."""
     body = []
     for line in lines:
         clean = plain(line)
         indent = " " * (len(clean) - len(clean.lstrip()) + 2)
-        wrapped = textwrap.wrap(
-            clean, WIDTH - len(every), subsequent_indent=indent, break_on_hyphens=False
-        )
-        body += [f"{every} {part}" for part in wrapped] or [every]
-    opening = f"{first}{body[0].removeprefix(every)}" if body else first
-    return [opening, *body[1:], last]
+        body += textwrap.wrap(
+            clean, WIDTH - 2, subsequent_indent=indent, break_on_hyphens=False
+        ) or [""]  # fmt: skip
+    return body
+
+
+def comment(body: Sequence[str], first: str, last: str) -> list[str]:
+    """Return wrapped lines between the marks of a block comment."""
+    head, *rest = body
+    return [f"{first} {head}", *(f" * {line}".rstrip() for line in rest), f" {last}"]
+
+
+def c_comment(lines: Sequence[str]) -> list[str]:
+    """Return the comment at the head of a C file, and an empty line."""
+    return [*comment(wrapped(lines), "/*", "*/"), ""]
 
 
 def plain(text: str) -> str:

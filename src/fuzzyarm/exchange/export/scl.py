@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from fuzzyarm.exchange.export.numbers import ExportError
-from fuzzyarm.exchange.export.plcopen import Declaration, Project, Unit
+from fuzzyarm.exchange.export.structured_text import Declaration, Project, Unit
 
 _TYPES = {
     "REAL": "Real", "LREAL": "LReal", "SINT": "SInt", "INT": "Int", "DINT": "DInt", "BOOL": "Bool",
@@ -75,10 +75,8 @@ class _SclUnit:
     types: dict[str, str] = field(default_factory=dict)  # of the variables
 
     def __post_init__(self) -> None:
-        for section in self.unit.sections:
-            self.types |= {
-                declaration.name: declaration.type for declaration in section.declarations
-            }
+        for declarations in self.unit.sections.values():
+            self.types |= {declaration.name: declaration.type for declaration in declarations}
         if self.unit.sort == "FUNCTION":
             self.types[self.unit.name] = self.unit.returned
 
@@ -109,10 +107,9 @@ class _SclUnit:
         # No array is a constant, and a function has no variables that stay.
         titles = {"VAR CONSTANT": "VAR", "VAR": "VAR_TEMP" if is_function else "VAR"}
         groups: dict[str, list[str]] = {}
-        for section in self.unit.sections:
-            title = titles.get(section.title, section.title)
-            for declaration in section.declarations:
-                groups.setdefault(title, []).append(self._declaration(declaration))
+        for title, declarations in self.unit.sections.items():
+            group = groups.setdefault(titles.get(title, title), [])
+            group += map(self._declaration, declarations)
         return [line for title, lines in groups.items() for line in (f"{title}", *lines, "END_VAR")]
 
     def _declaration(self, declaration: Declaration) -> str:

@@ -27,7 +27,14 @@ from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target
-from fuzzyarm.exchange.export.routine import Routine, comment, number_lines, plain, routine_words
+from fuzzyarm.exchange.export.routine import (
+    Routine,
+    comment,
+    number_lines,
+    plain,
+    routine_words,
+    wrapped,
+)
 from fuzzyarm.exchange.export.rulebase import DirectRoutine
 from fuzzyarm.exchange.export.typed_program import (
     COUNT,
@@ -289,10 +296,14 @@ def _cast(text: str, before: Kind, after: Kind) -> str:
     return f"{one}_TO_{other}({text})"
 
 
-def _array(_printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int) -> str:
-    lines = number_lines([st_number(x, kind) for x in values], columns, indent="        ")
-    head = f"    {name} : ARRAY [0..{len(values) - 1}] OF {_TYPES[kind]} := ["
-    return "\n".join([head, *lines, "    ];"])
+def _array(_printer: Printer, _name: str, kind: Kind, values: Sequence[float], columns: int) -> str:
+    """Return the elements of an array: its declaration is in a section."""
+    return elements_text([st_number(x, kind) for x in values], columns)
+
+
+def elements_text(literals: Sequence[str], columns: int = 0) -> str:
+    """Return the initial value of an array."""
+    return "\n".join(["[", *number_lines(literals, columns, indent="        "), "    ]"])
 
 
 TARGET = Target(
@@ -305,8 +316,90 @@ TARGET = Target(
 )  # fmt: skip
 
 
-def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
-    """Return a file with a function block for every routine, and the names of the blocks."""
+@dataclass(frozen=True)
+class Declaration:
+    """A variable: its type or that of its elements, the last index of an array, its initial value.
+
+    `start` is the text of the number, or of all elements; `remark` mostly is a unit; `named` is the
+    name of the type of an array that has one.
+    """
+
+    name: str
+    type: str
+    last: int | None = None
+    start: str = ""
+    remark: str = ""
+    named: str = ""
+
+    @property
+    def elements(self) -> list[str]:
+        """The numbers that an array starts with."""
+        return [text.strip() for text in self.start.strip("[]").split(",")]
+
+    def text(self) -> str:
+        """Return its line in a section."""
+        of = self.type if self.last is None else f"ARRAY [0..{self.last}] OF {self.type}"
+        start = f" := {self.start}" if self.start else ""
+        remark = f" (* {self.remark} *)" if self.remark else ""
+        return f"    {self.name} : {self.named or of}{start};{remark}"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A function, a function block or a program; `returned` is the type of a function.
+
+    `sections` are its declarations by their titles, as in ``VAR_INPUT``.
+    """
+
+    head: str
+    sort: str
+    name: str
+    returned: str
+    sections: Mapping[str, Sequence[Declaration]]
+    statements: str
+
+    def ports(self, title: str) -> list[str]:
+        """Return the variables under a title."""
+        return [declaration.name for declaration in self.sections.get(title, ())]
+
+    def text(self) -> str:
+        """Return the unit."""
+        sections = [
+            line
+            for title, declarations in self.sections.items()
+            for line in (title, *(each.text() for each in declarations), "END_VAR")
+        ]
+        return "\n".join([
+            *(comment(self.head.split("\n"), "(*", "*)") if self.head else ()),
+            f"{self.sort} {self.name}{f' : {self.returned}' if self.returned else ''}",
+            *sections, "", f"{self.statements}END_{self.sort}", "",
+        ])  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Project:
+    """All units, callees first.
+
+    `blocks` are the names of the blocks that a program calls, `types` the arrays whose types have
+    names.
+    """
+
+    name: str
+    units: tuple[Unit, ...]
+    blocks: tuple[str, ...]
+    types: tuple[Declaration, ...] = ()
+
+    def text(self) -> str:
+        """Return the file."""
+        types = [
+            f"TYPE\n{replace(array, name=array.named, named='').text()}\nEND_TYPE\n"
+            for array in self.types
+        ]
+        return "\n".join([*types, *(unit.text() for unit in self.units)])
+
+
+def routines_st(routines: Sequence[Routine], prefix: str) -> Project:
+    """Return a function block for every routine."""
     with printable_only():
         program = routines_program(routines, endless=False)
         blocks = [key for key, function in program.functions.items() if function.public]
@@ -314,12 +407,11 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list
             key: _routine_words(routine) for key, routine in zip(blocks, routines, strict=True)
         }
         file = _File(program, prefix, words)
-        text = file.text()
-        return text, [file.called[key] for key in blocks]
+        return file.project([file.called[key] for key in blocks])
 
 
-def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
-    """Return the text of a controller as a function block, and the name of the block."""
+def controller_st(program: ControllerProgram, prefix: str) -> Project:
+    """Return a controller as a function block."""
     with printable_only():
         steps = program.steps
         words = {
@@ -335,7 +427,7 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
             )
         if steps.learned:
             use.append("tables that learn are RETAIN: they survive a loss of power")
-        return file.text([*program.head(), "", *use]), file.controller
+        return file.project([file.controller], [*program.head(), "", *use])
 
 
 @contextmanager
@@ -373,7 +465,7 @@ class _File(Printer):
             if key in words or (_has_arrays(f) and not f.of_kernel)
         }  # fmt: skip
         self.lent: dict[str, dict[str, int]] = {}  # of functions: constants passed to them
-        self.array_types: dict[tuple[str, int], str] = {}
+        self.array_types: dict[tuple[str, int], Declaration] = {}
         for key, function in functions.items():
             self.lent[key] = self._lent_to(function)
         self.ports: dict[str, tuple[list[str], str]] = {}  # of blocks: inputs and output
@@ -392,19 +484,20 @@ class _File(Printer):
             lent |= self.lent.get(line.function, {})
         return lent
 
-    def array_type(self, kind: Kind, size: int) -> str:
-        """Return the name of a type of arrays.
+    def array_of_type(self, name: str, kind: Kind, size: int, start: str = "") -> Declaration:
+        """Return an array whose type has a name.
 
         One without a name is the same as no other, and an argument by reference has to
         have the same.
         """
         key = _TYPES[kind], size
         if key not in self.array_types:
-            self.array_types[key] = self.names.new(f"{self.stem}_{size}_{_TYPES[kind]}")
-        return self.array_types[key]
+            named = self.names.new(f"{self.stem}_{size}_{_TYPES[kind]}")
+            self.array_types[key] = Declaration("", _TYPES[kind], size - 1, named=named)
+        return replace(self.array_types[key], name=name, start=start)
 
-    def text(self, words: Sequence[str] = ()) -> str:
-        """Return the file; `words` are those of the controller."""
+    def project(self, blocks: Sequence[str], words: Sequence[str] = ()) -> Project:
+        """Return all units; `words` are those of the controller."""
         units = [
             _Unit(self, key, function, self.words.get(key, ())).unit()
             for key, function in self.program.functions.items()
@@ -412,11 +505,7 @@ class _File(Printer):
         ]
         if self.program.step is not None:
             units.append(_Unit(self, "", self.program.step, words).unit())
-        types = [
-            f"TYPE\n    {name} : ARRAY [0..{size - 1}] OF {kind};\nEND_TYPE\n"
-            for (kind, size), name in self.array_types.items()
-        ]
-        return "\n".join([*types, *units])
+        return Project(self.stem, tuple(units), tuple(blocks), tuple(self.array_types.values()))
 
 
 def _every_run(body: Sequence[Line]) -> Iterator[Run]:
@@ -464,7 +553,7 @@ class _Unit(FunctionPrinter):
         self.is_block = self.is_step or key in file.blocks
         self.name = file.called.get(key, file.controller)
         titles = ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR CONSTANT", "VAR RETAIN", "VAR")
-        self.sections: dict[str, list[str]] = {title: [] for title in titles}
+        self.sections: dict[str, list[Declaration]] = {title: [] for title in titles}
         self.state_arrays: dict[str, str] = {}
         self.instances: dict[str, str] = {}
         plain_function = flattened(function, file.program, file.blocks.__contains__)
@@ -472,14 +561,14 @@ class _Unit(FunctionPrinter):
         self.arrays = self.state_arrays
         if function.of_kernel:
             self.sections["VAR_IN_OUT"] += [
-                f"    {self._new_array(array)} : {file.array_type(kind, size)};"
+                file.array_of_type(self._new_array(array), kind, size)
                 for array, (kind, size) in self._arrays_of_kernel(key).items()
             ]
         for node in every_node(self.function.body):
             if isinstance(node, Element) and node.array in file.program.arrays.keys() - self.arrays:
                 self._array("VAR CONSTANT", node.array, file.program.arrays[node.array])
 
-    def unit(self) -> str:
+    def unit(self) -> Unit:
         """Return the unit."""
         body = self.lines(self.function.body)
         if self.function.returned is NOTHING:
@@ -487,14 +576,10 @@ class _Unit(FunctionPrinter):
         if body[-1] == "RETURN;":
             body = body[:-1]
         sort = "FUNCTION_BLOCK" if self.is_block else "FUNCTION"
-        returned = "" if self.is_block else f" : {_TYPES[self.function.returned]}"
-        sections = [(title, lines) for title, lines in self.sections.items() if lines]
-        return "\n".join([
-            *(comment(self.words, "(*", " *", " *)") if self.words else ()),
-            f"{sort} {self.name}{returned}",
-            *(line for title, lines in sections for line in (title, *lines, "END_VAR")),
-            "", *body, f"END_{sort}", "",
-        ])  # fmt: skip
+        returned = "" if self.is_block else _TYPES[self.function.returned]
+        sections = {title: each for title, each in self.sections.items() if each}
+        statements = "".join(f"{line}\n" for line in body)
+        return Unit("\n".join(wrapped(self.words)), sort, self.name, returned, sections, statements)
 
     # ── declarations ─────────────────────────────────────────────────────────────────
 
@@ -525,14 +610,14 @@ class _Unit(FunctionPrinter):
         self, title: str, key: str, stem: str, kind: Kind, start: str = "", remark: str = ""
     ) -> None:
         name = self.rename[key] = self.names.new(stem)
-        start = f" := {start}" if start else ""
-        remark = f" (* {plain(remark)} *)" if remark else ""
-        self.sections[title].append(f"    {name} : {_TYPES[kind]}{start};{remark}")
+        declaration = Declaration(name, _TYPES[kind], start=start, remark=plain(remark))
+        self.sections[title].append(declaration)
 
     def _array(self, title: str, key: str, array: Array) -> None:
         name = self.arrays[key] = self.names.new(array.stem)
-        text = _array(self.file, name, array.kind, array.values, array.columns)
-        self.sections[title].append(text)
+        start = _array(self.file, name, array.kind, array.values, array.columns)
+        declaration = Declaration(name, _TYPES[array.kind], len(array.values) - 1, start)
+        self.sections[title].append(declaration)
 
     def _declare_state(self) -> None:
         program, self.arrays = self.file.program, self.state_arrays
@@ -574,7 +659,7 @@ class _Unit(FunctionPrinter):
             stem = self.file.program.functions[key].stem
             taken = stem in {array.stem for array in self.file.program.arrays.values()}
             name = self.instances[key] = self.names.new(f"the_{stem}" if taken else stem)
-            self.sections["VAR"].append(f"    {name} : {self.file.called[key]};")
+            self.sections["VAR"].append(Declaration(name, self.file.called[key]))
             self.rename[result_of(key)] = f"{name}.{output}"
             self.rename[fired_in(key)] = f"{name}.{self.file.flags.get(key, '')}"
         values = map(self.language.expression, line.arguments)
@@ -598,23 +683,19 @@ class _Unit(FunctionPrinter):
 
     def _made(self, line: Scratch) -> list[str]:
         """Declare the scratch array of a walk, and the constants that its functions are handed."""
-        self.sections["VAR"].append(
-            f"    {self._new_array(line.name)} : {self.file.array_type(np.float64, line.size)};"
-        )
+        name = self._new_array(line.name)
+        self.sections["VAR"].append(self.file.array_of_type(name, np.float64, line.size))
         return []
 
     def _lent(self, key: str) -> str:
         """Return an array passed to a function; of a block it is a variable."""
         if key not in self.arrays:
             array = self.file.program.arrays[key]
-            kind = self.file.array_type(array.kind, len(array.values))
+            start = _array(self.file, key, array.kind, array.values, 0)
             # Not a constant: arguments by reference must be writable.
-            lines = number_lines(
-                [st_number(x, array.kind) for x in array.values], indent="        "
-            )
-            body = "\n".join(lines)
-            text = f"    {self._new_array(key)} : {kind} := [\n{body}\n    ];"
-            self.sections["VAR"].append(text)
+            self.sections["VAR"].append(self.file.array_of_type(
+                self._new_array(key), array.kind, len(array.values), start
+            ))  # fmt: skip
         return self.arrays[key]
 
     def _called(self, node: Called, _binds: int) -> str:

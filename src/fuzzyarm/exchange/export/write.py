@@ -23,17 +23,12 @@ from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.modules import Module, module_of
 from fuzzyarm.exchange.export.network import network_bytes, network_of
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError
-from fuzzyarm.exchange.export.plcopen import (
-    Project,
-    controller_project,
-    plcopen_xml,
-    routines_project,
-)
+from fuzzyarm.exchange.export.plcopen import plcopen_xml, with_test
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer
 from fuzzyarm.exchange.export.routine import Routine, plain, routine_words
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.exchange.export.scl import scl_source
-from fuzzyarm.exchange.export.structured_text import controller_st, structured_text
+from fuzzyarm.exchange.export.structured_text import Project, controller_st, routines_st
 from fuzzyarm.exchange.export.table import (
     MOST_CELLS,
     TableRoutine,
@@ -331,23 +326,14 @@ def _in_c(given: _Given, to: _To) -> _Made:
     return _Made(files, made.prototypes)
 
 
-def _in_structured_text(given: _Given, to: _To) -> _Made:
-    if isinstance(given, ControllerProgram):
-        text, block = controller_st(given, to.prefix)
-        return _Made(to.file(text), (block,))
-    text, blocks = structured_text(given, to.prefix)
-    return _Made(to.file(text), blocks)
+def _structured(written: Callable[[Project], str]) -> Callable[[_Given, _To], _Made]:
+    def in_structured_text(given: _Given, to: _To) -> _Made:
+        made = controller_st if isinstance(given, ControllerProgram) else routines_st
+        project = made(given, to.prefix)
+        tested = project if written is Project.text else with_test(project, given)
+        return _Made(to.file(written(tested)), project.blocks)
 
-
-def _project(written: Callable[[Project], str]) -> Callable[[_Given, _To], _Made]:
-    def in_project(given: _Given, to: _To) -> _Made:
-        if isinstance(given, ControllerProgram):
-            project = controller_project(given, to.prefix)
-        else:
-            project = routines_project(given, to.prefix)
-        return _Made(to.file(written(project)), project.blocks)
-
-    return in_project
+    return in_structured_text
 
 
 def _module(module: Module) -> Callable[[_Given, _To], _Made]:
@@ -385,14 +371,14 @@ def _variables_of(routine: Routine) -> str:
     return f"{routine.output.name} of {inputs}"
 
 
+_STRUCTURED = {".st": Project.text, ".xml": plcopen_xml, ".scl": scl_source}
+
 _FORMS: Mapping[str, Callable[[_Given, _To], _Made]] = MappingProxyType({
     ".h": _in_c, ".c": _in_c,
-    ".st": _in_structured_text, ".xml": _project(plcopen_xml), ".scl": _project(scl_source),
+    **{suffix: _structured(written) for suffix, written in _STRUCTURED.items()},
     **{suffix: _module(module) for suffix, module in MODULES.items()},
     ".fmu": _in_unit, NETWORK: _in_network,
 })  # fmt: skip
-
-_STRUCTURED = (".st", ".xml", ".scl")
 
 
 def _made(
