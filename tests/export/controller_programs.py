@@ -11,7 +11,6 @@ from c_programs import compile_c, execute
 from fuzzyarm import load, shipped
 from fuzzyarm.control.controllers.text import with_files
 from fuzzyarm.exchange.export.c_files import controller_c
-from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.language import parse
 from fuzzyarm.symbolic.identifiers import identifier
 
@@ -114,11 +113,11 @@ def recorded(text, steps, periods=2_000, *, single=False):
             rows[k, column] = outside(value)
         given = {sort: {} for sort in ("measured", "reference")}
         for value, port in zip(rows[k].tolist(), ports(steps), strict=True):
-            given[port.sort][port_name(steps, port)] = value
+            given[port.sort][steps.port_name(port)] = value
         found = run.step(*given.values())
-        results[k] = [found[port_name(steps, port)] for port in drives]
+        results[k] = [found[steps.port_name(port)] for port in drives]
         for axis in axes:
-            force = sum(found[port_name(steps, p)] for p in drives if p.axis == axis)
+            force = sum(found[steps.port_name(p)] for p in drives if p.axis == axis)
             velocity[axis] += period * (2.0 * force - 30.0 * velocity[axis])
             position[axis] += period * velocity[axis]
     return rows, results
@@ -210,9 +209,9 @@ def model_drives(text, steps, rows, *, single=False):
     for row in rows.tolist():
         given = {"measured": {}, "reference": {}}
         for value, port in zip(row, ports(steps), strict=True):
-            given[port.sort][port_name(steps, port)] = value
+            given[port.sort][steps.port_name(port)] = value
         drives = run.step(*given.values())
-        found.append([drives[port_name(steps, p)] for p in steps.of_sort("drive")])
+        found.append([drives[steps.port_name(p)] for p in steps.of_sort("drive")])
     return np.array(found)
 
 

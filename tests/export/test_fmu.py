@@ -19,7 +19,6 @@ from fuzzyarm import compile_table, infer, load
 from fuzzyarm.apps.cli import main
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.exchange.export import ControllerProgram, ExportError, export_controller
-from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.exchange.export.fmu import find_compiler
 from fuzzyarm.inference.engine import kept
 
@@ -42,7 +41,7 @@ def made(text, folder, version):
 
 
 def input_names(steps):
-    return [f"{port.sort}.{port_name(steps, port)}" for port in ports(steps)]
+    return [f"{port.sort}.{steps.port_name(port)}" for port in ports(steps)]
 
 
 def simulated(steps, path, rows, **options):
@@ -53,7 +52,7 @@ def simulated(steps, path, rows, **options):
         [(k * period, *row) for k, row in enumerate(rows.tolist())],
         dtype=[("time", float), *((name, float) for name in names)],
     )
-    outputs = [port_name(steps, port) for port in steps.of_sort("drive")]
+    outputs = [steps.port_name(port) for port in steps.of_sort("drive")]
     options = {"step_size": period, "output_interval": period, **options}
     result = fmpy.simulate_fmu(
         path, stop_time=len(rows) * period, input=signals, output=outputs, **options
@@ -94,7 +93,7 @@ def test_gains_are_set_before_a_run_and_have_units(tmp_path, version):
     for row, drives in zip(rows.tolist(), found, strict=True):
         sides = {"measured": {}, "reference": {}}
         for value, port in zip(row, ports(steps), strict=True):
-            sides[port.sort][port_name(steps, port)] = value
+            sides[port.sort][steps.port_name(port)] = value
         assert list(run.step(*sides.values()).values()) == drives.tolist()
 
 

@@ -19,27 +19,10 @@ from fuzzyarm.symbolic.records import emptied_with_kinds
 
 
 def positions(low: float, high: float, count: int, sampling: str) -> list[float]:
-    """Return the sample points over a range.
+    """Return the sample points over a range, in order; InferenceError for too few.
 
-    Parameters
-    ----------
-    low, high : float
-        The range.
-    count : int
-        Number of samples N.
-    sampling : str
-        ``endpoints``, ``trapezoid`` and ``joined``: N points with both ends;
-        ``midpoints``: the middles of N equal stretches; ``left``: their left ends.
-
-    Returns
-    -------
-    list of float
-        In order.
-
-    Raises
-    ------
-    InferenceError
-        If there are too few samples.
+    ``endpoints``, ``trapezoid`` and ``joined`` have both ends, ``midpoints`` the middles of `count`
+    equal stretches, ``left`` their left ends.
     """
     both_ends = sampling in {"endpoints", "trapezoid", "joined"}
     if count < (2 if both_ends else 1):

@@ -80,15 +80,8 @@ class Apart:
 def apart(before: RuleBase, after: RuleBase) -> tuple[Apart, ...]:
     """Return the greatest difference of each output.
 
-    Parameters
-    ----------
-    before, after : RuleBase
-        Inputs and outputs correspond by name, or by their order where the names differ.
-
-    Raises
-    ------
-    UnlikeRuleBasesError
-        If they do not have as many inputs and outputs, or an input has no bounds.
+    Inputs and outputs correspond by name, or by their order where the names differ;
+    UnlikeRuleBasesError if their numbers differ, or an input has no bounds.
     """
     return tuple(_Search(before, after).found())
 

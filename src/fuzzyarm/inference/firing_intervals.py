@@ -89,22 +89,10 @@ emptied_with_kinds(direction.cache_clear)
 
 
 def doubled(rulebase: RuleBase) -> Doubled:
-    """Write a rule base with both ends of every interval.
+    """Write a rule base with both ends of every interval; outputs of type 1 and their rules stay.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        With interval type-2 terms, or outputs that are defuzzified as such.
-
-    Returns
-    -------
-    Doubled
-        Outputs of type 1, and rules for them alone, are unchanged.
-
-    Raises
-    ------
-    InferenceError
-        If an interval meets a defuzzifier of type 1, or a hedge that neither rises nor falls.
+    InferenceError if an interval meets a defuzzifier of type 1, or a hedge that neither rises nor
+    falls.
     """
     return _Doubling(rulebase).result()
 
@@ -287,15 +275,7 @@ class Ends(NamedTuple):
 def ends(rulebase: RuleBase) -> Ends:
     """Write a rule base whose outputs are the two ends of those of another.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Any model; an output of type 1 is both of its ends.
-
-    Returns
-    -------
-    Ends
-        The middle of an output stays where later rules read it.
+    An output of type 1 is both of its ends. A middle stays where later rules read it.
     """
     if not any(map(_has_both_ends, rulebase.outputs)):
         return Ends(rulebase, {output.name: (output.name,) * 2 for output in rulebase.outputs})

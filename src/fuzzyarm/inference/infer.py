@@ -302,17 +302,7 @@ def _failed(expectation: Expectation, message: str) -> Diagnostic:
 
 
 def holds(outcome: Outcome, value: float, output: Output) -> bool:
-    """Return whether `value` fits `outcome`.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        The relation and its right side.
-    value : float
-        Result.
-    output : Output
-        Its range gives the tolerance of an ``=`` without one.
-    """
+    """Return whether `value` fits; the range of `output` is behind a default tolerance."""
     target = outcome.value
     if outcome.relation == "=":
         width = output.high - output.low

@@ -77,35 +77,14 @@ def lay_out(
     point_only: bool = False,
     plain: bool = False,
 ) -> Layout:
-    """Write a plan as numbers.
+    """Write a plan as numbers; NotCoveredError if the kernel cannot evaluate it.
 
-    Parameters
-    ----------
-    plan : Plan
-        Of any rule base.
-    compiled : bool
-        Whether the kernel will run as machine code: row functions have other addresses then.
-    addresses : Addresses, optional
-        The numbering of functions; by default by address in this process.
-    editable : str
-        A variable whose terms keep numbers of their own, which can be changed in place: an input
-        without cells, an output without closed forms. Evaluation is slower, and last bits differ.
-    point_only : bool
-        For :func:`fuzzyarm.inference.kernel.evaluate` only: addresses of its built-in functions are
-        0.
-    plain : bool
-        For the interpreted kernel: it may contain plain Python (a user's inverse, a search for
-        exact maxima).
-
-    Returns
-    -------
-    Layout
-        For :func:`fuzzyarm.inference.kernel.sweep`, too, unless `point_only`.
-
-    Raises
-    ------
-    NotCoveredError
-        If the kernel cannot evaluate it.
+    `compiled` kernels have other addresses of row functions; `addresses` are by default those in
+    this process. The terms of the variable `editable` keep numbers of their own, which can be
+    changed in place: an input without cells, an output without closed forms; evaluation is slower,
+    and last bits differ. A layout for one point only has 0 as addresses of built-in functions. A
+    `plain` one is for the interpreted kernel: it may contain plain Python (a user's inverse, a
+    search for exact maxima).
     """
     addresses = addresses or InMemory(compiled)
     return _Writer(plan, addresses, editable=editable, point_only=point_only, plain=plain).layout()

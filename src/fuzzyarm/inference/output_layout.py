@@ -374,13 +374,9 @@ class OutputWriter:
         linear = any(member.value is None for member in self.plan.members)
         count = len(self.base.plan.rulebase.inputs) if linear else 0
         for i, member in enumerate(self.plan.members):
-            self.consequents[i] = len(self.base.floats)
+            self.consequents[i] = self._value(i, count)
             if member.value is not None:
-                self.base.floats += [member.value, *[0.0] * count]
                 self._mark("value", i, self.consequents[i], 1)
-            else:
-                *coefficients, constant_term = member.term.shape.parameters
-                self.base.floats += [constant_term, *coefficients]
         return count
 
     def _write_pairs(self) -> int:

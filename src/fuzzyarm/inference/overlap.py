@@ -75,13 +75,6 @@ class ClosedForm(NamedTuple):
     overlaps: tuple[Overlap, ...]
 
 
-class _MembershipLine(NamedTuple):
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-
-
 def closed_form(
     profiles: Sequence[Sequence[Piece]],
     low: float,
@@ -90,37 +83,21 @@ def closed_form(
     united: bool = True,
     same_level: float = SAME_LEVEL,
 ) -> ClosedForm | None:
-    """Prepare the closed form of some sets.
+    """Return the closed form of the union (else the sum) of some sets over a range.
 
-    Parameters
-    ----------
-    profiles : sequence of sequences of Piece
-        The sets over the range; all pieces straight.
-    low, high : float
-        The range.
-    united : bool
-        True for the union (max); False where the clipped sets are added.
-    same_level : float
-        Corner heights closer than this are the same; 0 for pieces of exact numbers
-        (``fractions.Fraction``), of which the coefficients are then exact too.
-
-    Returns
-    -------
-    ClosedForm or None
-        None where a piece is not straight, a set has too many, or too many sets overlap.
+    None where a piece is not straight, a set has too many, or too many sets overlap. With 0 for
+    `same_level` and pieces of exact numbers (``fractions.Fraction``) the coefficients are exact
+    too.
     """
     if any(not piece.straight for pieces in profiles for piece in pieces):
         return None
     if any(len(pieces) > MOST_PIECES for pieces in profiles):
         return None
     centre = (low + high) / 2
-    members_form = tuple(
-        _layers([_MembershipLine(*piece[:4]) for piece in pieces], centre, same_level)
-        for pieces in profiles
-    )
+    members_form = tuple(_layers(pieces, centre, same_level) for pieces in profiles)
     if not united:
         return ClosedForm(centre, members_form, ())
-    stretches: dict[tuple[int, tuple[int, ...]], list[_MembershipLine]] = {}
+    stretches: dict[tuple[int, tuple[int, ...]], list[Piece]] = {}
     for cell in _cells(profiles):
         if len(cell) > MOST_OVERLAPPING:
             return None
@@ -138,28 +115,21 @@ def closed_form(
     return ClosedForm(centre, members_form, overlaps)
 
 
-def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _MembershipLine]]]:
+def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, Piece]]]:
     """Cut all sets at all corners; a cell lists its nonzero sets."""
     edges = sorted({x for pieces in profiles for piece in pieces for x in (piece.x0, piece.x1)})
-    cells: list[list[tuple[int, _MembershipLine]]] = [[] for _ in edges[1:]]
+    cells: list[list[tuple[int, Piece]]] = [[] for _ in edges[1:]]
     index_of = {x: i for i, x in enumerate(edges)}
     for member, pieces in enumerate(profiles):
         for piece in pieces:
             if piece.y0 <= 0.0 and piece.y1 <= 0.0:
                 continue
             for i in range(index_of[piece.x0], index_of[piece.x1]):
-                cells[i].append((member, _part(piece, edges[i], edges[i + 1])))
+                cells[i].append((member, piece.between(edges[i], edges[i + 1])))
     return cells
 
 
-def _part(line: Piece | _MembershipLine, a: float, b: float) -> _MembershipLine:
-    slope = (line.y1 - line.y0) / (line.x1 - line.x0)
-    ya = line.y0 if a == line.x0 else line.y0 + slope * (a - line.x0)
-    yb = line.y1 if b == line.x1 else line.y0 + slope * (b - line.x0)
-    return _MembershipLine(a, ya, b, yb)
-
-
-def _ordered(cell: list[tuple[int, _MembershipLine]]) -> list[list[tuple[int, _MembershipLine]]]:
+def _ordered(cell: list[tuple[int, Piece]]) -> list[list[tuple[int, Piece]]]:
     """Cut a cell where its lines cross; sort each part from the highest line down."""
     if len(cell) < 2:
         return []
@@ -174,13 +144,13 @@ def _ordered(cell: list[tuple[int, _MembershipLine]]) -> list[list[tuple[int, _M
                     cuts.add(x)
     parts = []
     for a, b in pairwise(sorted(cuts)):
-        lines = [(member, _part(line, a, b)) for member, line in cell]
+        lines = [(member, line.between(a, b)) for member, line in cell]
         lines.sort(key=lambda entry: (-(entry[1].y0 + entry[1].y1), entry[0]))
         parts.append(lines)
     return parts
 
 
-def _layers(lines: Sequence[_MembershipLine], centre: float, same_level: float) -> Layers:
+def _layers(lines: Sequence[Piece], centre: float, same_level: float) -> Layers:
     levels = _levels(lines, same_level)
     layers = []
     for start, end in pairwise(levels):
@@ -193,7 +163,7 @@ def _layers(lines: Sequence[_MembershipLine], centre: float, same_level: float) 
     return tuple(layers)
 
 
-def _levels(lines: Sequence[_MembershipLine], same_level: float) -> list[float]:
+def _levels(lines: Sequence[Piece], same_level: float) -> list[float]:
     heights = sorted(y for line in lines for y in (line.y0, line.y1))
     levels = [0 * abs(heights[0])] if heights else [0.0]
     for y in heights:
@@ -203,7 +173,7 @@ def _levels(lines: Sequence[_MembershipLine], same_level: float) -> list[float]:
 
 
 def _share(
-    line: _MembershipLine, start: float, end: float, centre: float, same_level: float
+    line: Piece, start: float, end: float, centre: float, same_level: float
 ) -> tuple[float, float, float, float, float]:
     """Polynomials of one line between two levels: integrals over h of the part above h."""
     width = line.x1 - line.x0

@@ -170,22 +170,9 @@ class Plan(NamedTuple):
 
 @remembered
 def plan(rulebase: RuleBase) -> Plan:
-    """Prepare a rule base; the last few are cached.
+    """Prepare a rule base; the last few are cached and shared: do not change them.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        A model, from a file or built by hand.
-
-    Returns
-    -------
-    Plan
-        Shared: do not change it.
-
-    Raises
-    ------
-    InferenceError
-        If the model cannot be evaluated; the message names the position.
+    An InferenceError about a model that cannot be evaluated names the position.
     """
     if rulebase.is_type2:
         _check_variables(rulebase)
@@ -626,23 +613,8 @@ def _parts(rulebase: RuleBase) -> dict[tuple[str, ...], RuleBase]:
 def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
     """Return the part of a rule base that some outputs depend on; the last few are cached.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        A model.
-    outputs : iterable of str
-        Names of outputs.
-
-    Returns
-    -------
-    RuleBase
-        With the necessary rules, inputs and other outputs; the rule base itself if that is all of
-        it. With the first input if the outputs depend on none.
-
-    Raises
-    ------
-    InferenceError
-        If the model cannot be evaluated, or an output does not exist.
+    It has the necessary rules, inputs and other outputs, the first input if the outputs depend on
+    none, and is the rule base itself if that is all of it.
     """
     wanted_outputs = tuple(outputs)
     parts = _parts(rulebase)
@@ -682,7 +654,11 @@ def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
     return replace(
         rulebase,
         inputs=tuple(rulebase.inputs[i] for i in inputs),
-        outputs=tuple(_over(output, inputs) for output in rulebase.outputs if output.name in names),
+        outputs=tuple(
+            with_coefficients(output, lambda coefficients: (coefficients[i] for i in inputs))
+            for output in rulebase.outputs
+            if output.name in names
+        ),
         blocks=tuple(
             replace(
                 block,
@@ -703,19 +679,21 @@ def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
     )
 
 
-def _over(output: Output, inputs: list[int]) -> Output:
-    """Return an output whose linear terms keep the coefficients of some inputs only."""
+def with_coefficients(
+    output: Output, change: Callable[[Sequence[float]], Iterable[float]]
+) -> Output:
+    """Return an output whose linear terms have other coefficients of the inputs."""
 
-    def over(shape: Shape) -> Shape:
+    def changed(shape: Shape) -> Shape:
         if shape.kind != "linear":
             return shape
         *coefficients, constant = shape.parameters
-        return replace(shape, parameters=(*(coefficients[i] for i in inputs), constant))
+        return replace(shape, parameters=(*change(coefficients), constant))
 
     return replace(
         output,
         terms=tuple(
-            replace(term, shape=over(term.shape), lower=term.lower and over(term.lower))
+            replace(term, shape=changed(term.shape), lower=term.lower and changed(term.lower))
             for term in output.terms
         ),
     )

@@ -51,11 +51,6 @@ def _row_function(
     return cast("Callable[..., None]", function)
 
 
-def norm_address(norm: Norm, *, compiled: bool) -> int:
-    """Return the address of a norm that is not built into the kernel."""
-    return address_of(norm_row(norm), 4, compiled=compiled)
-
-
 def norm_row(norm: Norm) -> Callable[..., None]:
     """Return a norm as a function of two rows."""
     return _row_function(norm.expression, norm.symbols, (), norm.name)
@@ -79,7 +74,8 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         if not hedges:
             return Curve(address_of(corners_row, 3, compiled=compiled), tuple(corners))
         # An address among floats: only its bits count, not its value.
-        (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
+        address = address_of(hedges_on_row(hedges), 3, compiled=compiled)
+        (modified,) = struct.unpack("d", struct.pack("q", address))
         return Curve(address_of(hedged_corners_row, 3, compiled=compiled), (modified, *corners))
     function, numbers = curved_row(shape, hedges)
     return Curve(address_of(function, 3, compiled=compiled), numbers)
@@ -118,11 +114,6 @@ def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node
             modifier.expression, dict(zip(modifier.symbols, [root, *numbers], strict=True))
         )
     return root
-
-
-def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
-    """Return the address of a row function of hedges, with their exponents as constants."""
-    return address_of(hedges_on_row(hedges), 3, compiled=compiled)
 
 
 def hedges_on_row(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
@@ -255,7 +246,7 @@ class InMemory(NamedTuple):
 
     def norm(self, norm: Norm, sort: str) -> int:
         """See :class:`Addresses`."""
-        return norm_address(norm, compiled=self.compiled)
+        return address_of(norm_row(norm), 4, compiled=self.compiled)
 
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
         """See :class:`Addresses`."""
@@ -263,7 +254,7 @@ class InMemory(NamedTuple):
 
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """See :class:`Addresses`."""
-        return hedge_row(hedges, compiled=self.compiled)
+        return address_of(hedges_on_row(hedges), 3, compiled=self.compiled)
 
     def expression(self, root: Node, numbers: Sequence[str]) -> int:
         """See :class:`Addresses`."""

@@ -57,19 +57,9 @@ def degree_formula(shape: Shape) -> Node:
 
 
 def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
-    """Return the degree in a set as a function of a float.
+    """Return the degree in a set as a function of a float; the last hedge acts first.
 
-    Parameters
-    ----------
-    shape : Shape
-        A fuzzy shape, or a ``formula`` in `x`.
-    hedges : tuple of Hedge
-        The last acts first.
-
-    Returns
-    -------
-    callable
-        From a float to a float; for a ``linear`` consequent it raises InferenceError.
+    Of a ``linear`` consequent it raises InferenceError.
     """
     if shape.kind == "formula":
         names = formula_of(shape).names
@@ -94,22 +84,7 @@ def _not_a_set(shape: Shape) -> SetFunction:
 def degrees(
     shape: Shape, x: NDArray[np.float64], hedges: Sequence[Hedge] = ()
 ) -> NDArray[np.float64]:
-    """Return the degree of every element of `x` in a set.
-
-    Parameters
-    ----------
-    shape : Shape
-        A fuzzy shape, or a ``formula`` in `x`.
-    x : ndarray of float64
-        Any shape.
-    hedges : sequence of Hedge
-        The last acts first.
-
-    Returns
-    -------
-    ndarray of float64
-        As `x`, between 0 and the height of the shape.
-    """
+    """Return the degree of every element of `x` in a set; the last hedge acts first."""
     import numpy as np
 
     if shape.kind == "formula":
@@ -148,26 +123,18 @@ class Piece(NamedTuple):
     y1: float
     straight: bool
 
+    def between(self, a: float, b: float) -> Piece:
+        """Return the part of a straight piece between two positions; exact for exact numbers."""
+        slope = (self.y1 - self.y0) / (self.x1 - self.x0)
+        ya = self.y0 if a == self.x0 else self.y0 + slope * (a - self.x0)
+        yb = self.y1 if b == self.x1 else self.y0 + slope * (b - self.x0)
+        return Piece(a, ya, b, yb, self.straight)
+
 
 def profile(
     shape: Shape, hedges: Sequence[Hedge], membership: SetFunction, low: float, high: float
 ) -> tuple[Piece, ...]:
-    """Cut a set into monotone pieces from `low` to `high`, without gaps.
-
-    Parameters
-    ----------
-    shape, hedges
-        Term and hedges; the last hedge acts first.
-    membership : callable
-        The set, hedges included.
-    low, high : float
-        A finite range.
-
-    Returns
-    -------
-    tuple of Piece
-        In order; each has a positive width.
-    """
+    """Cut a set into monotone pieces of positive width over a finite range, without gaps."""
     if not SHAPES[shape.kind].straight:
         return _smooth(shape, hedges, membership, low, high)
     straight = straight_pieces(polyline(shape), low, high)
@@ -183,12 +150,8 @@ def straight_pieces(corners: Sequence[tuple[float, float]], low: float, high: fl
     pieces = []
     for (x0, y0), (x1, y1) in pairwise(ends):
         a, b = max(x0, low), min(x1, high)
-        if not b > a:
-            continue
-        slope = (y1 - y0) / (x1 - x0)
-        ya = y0 if a == x0 else y0 + slope * (a - x0)
-        yb = y1 if b == x1 else y0 + slope * (b - x0)
-        pieces.append(Piece(a, ya, b, yb, straight=True))
+        if b > a:
+            pieces.append(Piece(x0, y0, x1, y1, straight=True).between(a, b))
     return pieces
 
 
@@ -407,16 +370,3 @@ def _matters(piece: Piece) -> bool:
 def _between(piece: Piece, start: float, end: float) -> tuple[float, float]:
     slope = (piece.y1 - piece.y0) / (piece.x1 - piece.x0)
     return piece.y0 + slope * (start - piece.x0), piece.y0 + slope * (end - piece.x0)
-
-
-def gaps(stretch: Stretch, first: Forms, second: Forms) -> list[tuple[Any, Any]]:
-    """Return the differences of the first set from the second at both ends, line by line.
-
-    They cross where the two signs differ, at the share gap₀ / (gap₀ − gap₁) of the way.
-    """
-    _, _, _, _, a0, a1, b0, b1 = stretch
-    return [
-        (alpha + beta * a0 - gamma - delta * b0, alpha + beta * a1 - gamma - delta * b1)
-        for alpha, beta in first
-        for gamma, delta in second
-    ]

@@ -61,19 +61,8 @@ class OutputLayout(NamedTuple):
 def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
     """Write the tables of one output, for a caller with its own strengths.
 
-    Parameters
-    ----------
-    plan : Plan
-        Of any rule base.
-    name : str
-        An output; under ``max`` its rules are folded by the caller, else every rule is a group.
-    addresses : Addresses
-        The numbering of functions.
-
-    Raises
-    ------
-    NotCoveredError
-        If the kernel has no defuzzifier for it.
+    Under ``max`` its rules are folded by the caller, else every rule is a group. NotCoveredError if
+    the kernel has no defuzzifier for it.
     """
     return _OneOutput(plan, plan.outputs[name], addresses).output_layout()
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Set
 from dataclasses import replace
 
 from fuzzyarm.inference.block import NotCoveredError
-from fuzzyarm.inference.plan import Plan, plan
+from fuzzyarm.inference.plan import Plan, plan, with_coefficients
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.language.model.rulebase import (
     Input,
@@ -30,10 +30,7 @@ from fuzzyarm.language.model.rulebase import (
 def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:
     """Return the stages of a rule base, each a function of its inputs and earlier outputs.
 
-    Raises
-    ------
-    NotCoveredError
-        If formulas read each other's values.
+    NotCoveredError if formulas read each other's values.
     """
     full = plan(rulebase)
     chained = any(isinstance(step, str) for step in full.steps[: len(full.rules)])
@@ -95,6 +92,10 @@ def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int
     # The value of an output that is read both ways is an input; its set gets another name.
     sets = {name: f"{name} as a set" for name in names & read}
     more = [output for output in rulebase.outputs if output.name in read]
+
+    def wider(output: Output) -> Output:
+        return with_coefficients(output, lambda coefficients: (*coefficients, *[0.0] * len(more)))
+
     upper = iter(full.readings)
     blocks = [
         replace(block, rules=tuple(
@@ -114,9 +115,9 @@ def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int
             Input(each.name, each.low, each.high, each.terms, outside="extend") for each in more
         )),
         outputs=tuple(
-            _over_more(each, len(more))
+            wider(each)
             if each.name not in sets
-            else replace(_over_more(each, len(more)), name=sets[each.name], no_rule=0.0)
+            else replace(wider(each), name=sets[each.name], no_rule=0.0)
             for each in rulebase.outputs
             if each.name in names
         ),
@@ -141,24 +142,6 @@ def _rule_of_stage(rule: Rule, degrees: Set[str], names: Set[str], sets: Mapping
             replace(c, variable=sets.get(c.variable, c.variable))
             for c in rule.consequents
             if c.variable in names
-        ),
-    )
-
-
-def _over_more(output: Output, more: int) -> Output:
-    """Return an output whose linear terms have `more` further coefficients, all 0."""
-
-    def over(shape: Shape) -> Shape:
-        if shape.kind != "linear":
-            return shape
-        *coefficients, constant = shape.parameters
-        return replace(shape, parameters=(*coefficients, *[0.0] * more, constant))
-
-    return replace(
-        output,
-        terms=tuple(
-            replace(term, shape=over(term.shape), lower=term.lower and over(term.lower))
-            for term in output.terms
         ),
     )
 

@@ -131,25 +131,9 @@ def firing_strengths(
 ) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
     """Return the firing strengths of all rules at many points, and the outputs there.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model.
-    inputs : mapping of str to array_like
-        A value for every input; the arrays broadcast against each other.
-
-    Returns
-    -------
-    strengths : ndarray of float64, shape (rules, *points)
-        Truth of the antecedent times the weight, in the order of ``rulebase.rules``; the upper
-        strength for interval type 2.
-    outputs : dict of str to ndarray of float64
-        NaN where no rule fires, whatever the file states for that case.
-
-    Raises
-    ------
-    InferenceError
-        For names that are unknown or missing, and values that are not numbers.
+    Strengths have the shape (rules, *points), in the order of ``rulebase.rules``: truth of the
+    antecedent times the weight; of interval type 2 the upper one. Outputs are NaN where no rule
+    fires, whatever the file states for that case.
     """
     import numpy as np
 

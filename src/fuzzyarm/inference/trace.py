@@ -324,18 +324,9 @@ class Silence:
 def explain_silence(
     rulebase: RuleBase, inputs: Mapping[str, float], output: str, *, most: int = 3
 ) -> Silence:
-    """Explain a point where no rule fires.
+    """Explain a point at which no rule fires for an output, with the `most` nearest rules.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model.
-    inputs : mapping of str to float
-        A point at which evaluation raises :class:`NoRuleFiredError`.
-    output : str
-        The output without a firing rule.
-    most : int
-        Greatest number of rules returned: those with the fewest false propositions.
+    Those have the fewest false propositions.
     """
     values = {v.name: bring_into_range(v, float(inputs[v.name])) for v in rulebase.inputs}
     fuzzy = tuple(_fuzzy_value(v, inputs, values[v.name]) for v in rulebase.inputs)

@@ -17,7 +17,6 @@ import numpy as np
 from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.exchange.export import Exported, ExportedController
 from fuzzyarm.exchange.export.avr import run_tool
-from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.exchange.export.numbers import ExportError, c_number
 from fuzzyarm.exchange.export.steps import Steps
 from fuzzyarm.symbolic.identifiers import identifier
@@ -186,7 +185,7 @@ def _periods(exported: ExportedController, stem: str) -> tuple[list[Case], str]:
 
 
 def _member(steps: Steps, port: Any) -> str:
-    return ".".join(identifier(part) for part in port_name(steps, port).split("."))
+    return ".".join(identifier(part) for part in steps.port_name(port).split("."))
 
 
 def _program(stem: str, lines: Sequence[str]) -> str:

@@ -28,9 +28,9 @@ from fuzzyarm.exchange.export.avr import (
     unchecked,
 )
 from fuzzyarm.exchange.export.boards import Board, Footprint, demand_fit
-from fuzzyarm.exchange.export.c import LIBRARY
+from fuzzyarm.exchange.export.c import LIBRARY, PORTS
 from fuzzyarm.exchange.export.c_files import CText, controller_c, routines_c
-from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
+from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.guard import step_name
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError, Kind, c_number
 from fuzzyarm.exchange.export.routine import Routine, plain
@@ -194,11 +194,9 @@ def board_part(program: ControllerProgram, stem: str, board: Board) -> BoardPart
     rows = [list(row) or [0.0] for row in trial_run.vectors.inputs][:_SKETCH_CALLS]
     if guard is not None:  # else it would send the fallback
         rows = list(guard.inside(steps, _SKETCH_CALLS))
-    sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
-    types = {"reference": "reference", "measured": "measured", "drive": "drives"}
-    declarations = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
+    declarations = [f"static {stem}_{PORTS[sort]} {sort};" for sort in steps.port_sorts]
     variables = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-    arguments = ", ".join(["&state", *(f"&{sort}" for sort in sorts)])
+    arguments = ", ".join(["&state", *(f"&{sort}" for sort in steps.port_sorts)])
     call = MeasuredStep(
         header=f"{stem}.h",
         declarations=[
@@ -258,15 +256,13 @@ def _routine_sketch(
     names = _sketch_names()
     first = routines[0]
     scales = _scales(first)
-    count = len(first.arguments)
-    last_values = [parameter for parameter in first.arguments if parameter.name.startswith("last ")]
     variables = []
     yield from _opening(stem, f"Reads {_listed(first)}, prints {_outputs(routines)}.")
     for routine in routines:
         if _holds(routine):
             yield f"static {C_TYPES[routine.kind]} {identifier('last ' + routine.output.name)};"
     yield from ["", "void loop()", "{"]
-    for number, argument in enumerate(first.arguments[: count - len(last_values)]):
+    for number, argument in enumerate(a for a in first.arguments if not a.holds):
         name = names.new(argument.name)
         variables.append(name)
         text = _from_pin(argument.low, argument.high, number, scales[number], first.kind, board)
@@ -403,7 +399,7 @@ def _outputs(routines: Sequence[Routine]) -> str:
 
 def _holds(routine: Routine) -> bool:
     # A routine that holds its value has no state: its caller passes the last one.
-    return any(argument.name.startswith("last ") for argument in routine.arguments)
+    return any(argument.holds for argument in routine.arguments)
 
 
 def _scales(routine: Routine) -> list[WholeNumberScale | None]:
@@ -437,7 +433,7 @@ def _quantity(name: str, scale: WholeNumberScale | None) -> str:
 
 
 def _said(program: ControllerProgram, port: StepVariable) -> str:
-    return plain(port_name(program.steps, port))
+    return plain(program.steps.port_name(port))
 
 
 def _quoted(text: str) -> str:

@@ -167,23 +167,9 @@ _ERROR = re.compile(r"error\b", re.IGNORECASE)
 def run_tool(
     words: Sequence[str], folder: Path, seconds: float, *, to: str = "run"
 ) -> subprocess.CompletedProcess[str]:
-    """Run a compiler, a simulator or the like in a folder; one that fails is an error.
+    """Run a compiler, a simulator or the like in a folder; ExportError if it fails or takes longer.
 
-    Parameters
-    ----------
-    words : sequence of str
-        The program and its arguments.
-    folder : Path
-        Where.
-    seconds : float
-        Time limit.
-    to : str
-        Its purpose, for the message: *cannot run gcc*.
-
-    Raises
-    ------
-    ExportError
-        If it is missing, takes longer, or ends with an error.
+    `to` is its purpose, for the message: *cannot run gcc*.
     """
     try:
         process = subprocess.run(

@@ -107,8 +107,8 @@ _TARGET = Target(
         declare="const {type} {name} = {value};", declare_only="{type} {name};"
     ),
     names="c", operation=_operation, number=_number, array=_array, cast=_cast, cast_binds=9,
-    truths=("false", "true"), types=_TYPES, marks=_MARKS, again="{type} {name} = {value};",
-    member="s->{}", quotient="({} / {})", parameter="{type} {name}", late="{type} {name}",
+    types=_TYPES, marks=_MARKS, again="{type} {name} = {value};",
+    member="s->{}", quotient="({} / {})", parameter="{type} {name}",
     array_argument="const {}*", view="const {type} *const {name} = &{array}[{position}];",
     hidden="static ", unused="(void){};",
     function=("{public}{type} {name}({parameters})\n{{", "}\n"), remark="/* {} */",
@@ -220,9 +220,8 @@ class CPrinter(Printer):
     def _prototypes(self, steps: Steps) -> dict[str, str]:
         p = self.prefix
         ports = [
-            f"{'' if sort == 'drive' else 'const '}{p}_{word} *{sort}"
-            for sort, word in PORTS.items()
-            if steps.of_sort(sort)
+            f"{'' if sort == 'drive' else 'const '}{p}_{PORTS[sort]} *{sort}"
+            for sort in steps.port_sorts
         ]
         signatures = {
             "init": f"void {p}_init({p}_state *s)",
@@ -289,7 +288,7 @@ class CPrinter(Printer):
         """Yield the statements of a guarded step: the fallback, or the step."""
         if self.fallback is None:
             return
-        p, sorts = self.prefix, [sort for sort in PORTS if steps.of_sort(sort)]
+        p, sorts = self.prefix, steps.port_sorts
         tested = [sort for sort in sorts if sort != "drive"]
         yield f"if ({p}_left({', '.join(['s', *tested])})) {{"
         sent = {drive: self.places.get(f"{SENT} {drive}") for drive in self.fallback}
@@ -327,10 +326,9 @@ class CPrinter(Printer):
         before, flash = len(self.constants), (self.flash, self.largest)
         lines = []
         if self.steps is not None and self.program.tests:
-            sorts = [sort for sort in PORTS if self.steps.of_sort(sort)]
             lines = [
                 f"static {self.prefix}_state s;",
-                *(f"{self.prefix}_{PORTS[sort]} {sort};" for sort in sorts),
+                *(f"{self.prefix}_{PORTS[sort]} {sort};" for sort in self.steps.port_sorts),
             ]
         for each in self.program.tests:
             lines += [f"{self.prefix}_init(&s);"] * (self.steps is not None)
@@ -410,7 +408,7 @@ class _CFunction(FunctionPrinter):
         assert steps is not None
         variables = [v for sort in ("reference", "measured") for v in steps.of_sort(sort)]
         given = zip(variables, map(self.language.expression, line.arguments), strict=True)
-        passed = ", ".join(["&s", *(f"&{sort}" for sort in PORTS if steps.of_sort(sort))])
+        passed = ", ".join(["&s", *(f"&{sort}" for sort in steps.port_sorts)])
         found = zip(line.targets, steps.of_sort("drive"), strict=True)
         return [
             *(f"{self._port(variable)} = {text};" for variable, text in given),

@@ -31,7 +31,7 @@ from flint import arb, fmpq, fmpq_mat
 
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.program import skipped_drives
-from fuzzyarm.exchange.export.guard import Known, RegionGuard, Seed, port_label
+from fuzzyarm.exchange.export.guard import Known, RegionGuard, Seed
 from fuzzyarm.exchange.export.numbers import ExportError, rounded, rounded_down
 from fuzzyarm.exchange.export.steps import Steps, StepVariable, first_of
 from fuzzyarm.language.model.controller import Drive
@@ -75,11 +75,8 @@ class _Row(NamedTuple):
 def region_guard(checked: Checked, steps: Steps) -> RegionGuard:
     """Return the guard of a controller by a certificate of its loop.
 
-    Raises
-    ------
-    ExportError
-        If the certificate is not of one region of the sampled loop with exact sensors, or the file
-        names no fallback.
+    ExportError if that is not of one region of the sampled loop with exact sensors, or the file
+    names no fallback.
     """
     _demand_region(checked)
     assert checked.proof is not None
@@ -196,7 +193,7 @@ def _known(
         matrix = fmpq_mat([*(list(y.parts) for y in found), list(parts)])
         if matrix.rank() > len(found):
             rest, doubt = _middle(signal.rest)
-            found.append(_Row(Known(x.symbol, port_label(steps, x.symbol), rest), parts, doubt))
+            found.append(_Row(Known(x.symbol, steps.port_name(x), rest), parts, doubt))
     measured = tuple(found)
     for name, key in memory.items():
         if key not in steps.variables:  # of an actuator

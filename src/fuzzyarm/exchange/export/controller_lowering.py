@@ -77,18 +77,9 @@ _REMARKS = {
 def controller_program(
     steps: Steps, *, pointers: bool = False, endless: bool = True, flags: bool = False
 ) -> Program:
-    """Return a controller as a program, without its test.
+    """Return a controller as a program, without its test, for a language with these traits.
 
-    Parameters
-    ----------
-    steps : Steps
-        The controller.
-    pointers : bool
-        Whether it is for a language with pointers.
-    endless : bool
-        Whether the language has infinite numbers.
-    flags : bool
-        Whether a rule base has a flag for "no value": the language has no NaN.
+    `flags`: a rule base has a flag for "no value", since the language has no NaN.
     """
     return _Lowering(steps, Program(pointers=pointers, endless=endless), flags).lowered()
 

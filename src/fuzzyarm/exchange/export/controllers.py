@@ -16,7 +16,8 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.exchange.export.c_files import TestSequence
 from fuzzyarm.exchange.export.controller_lowering import controller_program
-from fuzzyarm.exchange.export.steps import Steps, StepVariable
+from fuzzyarm.exchange.export.routine import MADE
+from fuzzyarm.exchange.export.steps import Steps
 from fuzzyarm.exchange.export.table import FixedTable
 from fuzzyarm.exchange.export.trial import EvaluatedController, trial
 from fuzzyarm.exchange.export.walk_of_steps import RoutineOptions, steps_of
@@ -24,7 +25,6 @@ from fuzzyarm.language.model.controller import Line, SignalLine, Source
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.compiler import over_inputs
-from fuzzyarm.version import __version__
 
 if TYPE_CHECKING:
     from fuzzyarm.exchange.export.guard import RegionGuard
@@ -199,7 +199,7 @@ class ControllerProgram:
         exact = self.precision != "float32" and self.q is None
         plain = self.text.run(compiled=False)
         single = self.text.run(single=True, compiled=False) if self.precision == "mixed" else plain
-        names = [port_name(steps, drive) for drive in steps.of_sort("drive")]
+        names = steps.port_names("drive")
         inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
         slowest = max((block.guard.every for block in steps.blocks), default=1)
         periods = PERIODS if exact else max(PERIODS_IN_SINGLE, min(slowest + 2, PERIODS))
@@ -246,7 +246,7 @@ class ControllerProgram:
         model, steps = self.text.model, self.steps
         words = f"{model.name}: {model.description}" if model.description else model.name
         lines = [
-            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+            MADE,
             "",
             f"controller {words}",
             f"runs every {number_text(model.period)} s",
@@ -266,11 +266,10 @@ class ControllerProgram:
 
     def _port_words(self) -> list[str]:
         words = {"reference": "references", "measured": "measured", "drive": "drives"}
-        ports = {
-            sort: [port_name(self.steps, variable) for variable in self.steps.of_sort(sort)]
-            for sort in words
-        }
-        return [f"{words[sort]}: {', '.join(names)}" for sort, names in ports.items() if names]
+        return [
+            f"{words[sort]}: {', '.join(self.steps.port_names(sort))}"
+            for sort in self.steps.port_sorts
+        ]
 
     def _sheet_words(self) -> list[str]:
         lines = []
@@ -299,15 +298,10 @@ class ControllerProgram:
         return entries
 
 
-def port_name(steps: Steps, port: StepVariable) -> str:
-    """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
-    return port.name if steps.model.has_one_axis else f"{port.axis}.{port.name}"
-
-
 def _by_port(steps: Steps, values: dict[str, float]) -> dict[str, dict[str, float]]:
     return {
         sort: {
-            port_name(steps, variable): values[variable.symbol] for variable in steps.of_sort(sort)
+            steps.port_name(variable): values[variable.symbol] for variable in steps.of_sort(sort)
         }
         for sort in ("measured", "reference")
     }

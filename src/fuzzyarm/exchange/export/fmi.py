@@ -354,7 +354,7 @@ def _in_full(version: int, text: str) -> str:
     states = re.sub("STATE|BYTE|READ|GAP", lambda word: words[version][word[0]], _STATES)
     return re.sub(
         r"^(\w+)\(([^)]*)\)\n((?: .*\n)+)",
-        lambda short: "\n" + _function(version, *short.groups(), read=short[3]),
+        lambda short: "\n" + _function(version, short[1], short[2], short[3], read=short[3]),
         text.replace("STATES", states),
         flags=re.MULTILINE,
     )
@@ -400,14 +400,7 @@ class UnitC:
 def fmi_source(version: int, token: str, unit: UnitC) -> str:
     """Return the C of a unit, to follow the functions that it calls.
 
-    Parameters
-    ----------
-    version : int
-        2 or 3.
-    token : str
-        The name of the unit in its description.
-    unit : UnitC
-        Its own parts.
+    `token` is its name in the description.
     """
     cases = [f"case {number}u: return &{place};" for number, place in enumerate(unit.places)]
     words = {

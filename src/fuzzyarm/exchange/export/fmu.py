@@ -25,7 +25,7 @@ import numpy as np
 from fuzzyarm.base.extras import installing
 from fuzzyarm.exchange.export.c import PORTS
 from fuzzyarm.exchange.export.c_files import CText, controller_c, routines_c
-from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
+from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.document import xml_document
 from fuzzyarm.exchange.export.fmi import UnitC, fmi_source
 from fuzzyarm.exchange.export.numbers import ExportError
@@ -120,7 +120,7 @@ def controller_fmu(
     steps, model = program.steps, program.text.model
     made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
     variables = _controller_variables(program, made)
-    sorts = [sort for sort in PORTS if steps.of_sort(sort)]
+    sorts = steps.port_sorts
     period = repr(float(model.period))
     called = ", ".join(["&u->state", *(f"&u->{sort}" for sort in sorts)])
     c = UnitC(
@@ -350,7 +350,7 @@ def _controller_variables(program: ControllerProgram, made: CText) -> tuple[Vari
 
 def _variable_name(steps: Steps, variable: StepVariable) -> str:
     """Return ``measured.joint1.position`` and its like."""
-    name = variable.name if variable.sort == "gain" else port_name(steps, variable)
+    name = variable.name if variable.sort == "gain" else steps.port_name(variable)
     if variable.number >= 0:
         name = f"{name}[{variable.number + 1}]"
     return f"{variable.sort}.{name}" if variable.sort not in ("gain", "drive") else name

@@ -113,6 +113,10 @@ class RegionGuard:
     def words(self, steps: Steps) -> Iterator[str]:
         """Yield the lines about it at the head of a file."""
         certificate = self.checked.certificate
+
+        def name_of(symbol: str) -> str:
+            return steps.port_name(steps.variables[symbol])
+
         delta = outward_text(self.delta, up=True, digits=3)
         least = f", the least over {', '.join(self.unknown)}" * bool(self.unknown)
         yield f"guard: V of {', '.join(x.label for x in self.known)}{least}"
@@ -125,11 +129,11 @@ class RegionGuard:
             region = self.checked.region.items()
             reach = (f"{name} in {inward_interval(*ends, 6)}" for name, ends in region)
             yield f"  V <= 1 reaches to {', '.join(reach)}"
-        names = (f"{port_label(steps, x)} = {number_text(y)}" for x, y in self.set_points.items())
+        names = (f"{name_of(x)} = {number_text(y)}" for x, y in self.set_points.items())
         if self.set_points:
             yield f"  of the set points {', '.join(names)}; with others or NaN it refuses"
         sent = (
-            f"{port_label(steps, x)} {'holds' if y is None else f'= {number_text(y)}'}"
+            f"{name_of(x)} {'holds' if y is None else f'= {number_text(y)}'}"
             for x, y in self.fallback.items()
         )
         yield f"  after a state that it refuses: {', '.join(sent)}, until init"
@@ -313,9 +317,3 @@ def _sum(weights: Iterable[tuple[int, float]], values: Sequence[Node]) -> Node:
 def step_name(*, guarded: bool) -> str:
     """Return the name of the function to call in each period, after the prefix."""
     return GUARDED_STEP if guarded else "step"
-
-
-def port_label(steps: Steps, name: str) -> str:
-    """Return the name of a port, with its axis if there are several."""
-    variable = steps.variables[name]
-    return variable.name if steps.model.has_one_axis else f"{variable.axis}.{variable.name}"

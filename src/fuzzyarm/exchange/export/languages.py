@@ -8,7 +8,7 @@ the crate `libm` for mathematical functions without `std`.
 To add a language
 -----------------
 A ``Target`` (its spellings) and a ``Module`` (the class of a controller and the frame of a file, as
-templates) here, by its suffix in ``MODULES``; of Rust both take 82 lines. By hand beside them:
+templates) here, by its suffix in ``MODULES``; of Rust both take 80 lines. By hand beside them:
 
 - its suffix in :mod:`fuzzyarm.base.folders`, its reserved words in
   :mod:`fuzzyarm.symbolic.identifiers`;
@@ -282,7 +282,7 @@ JAVASCRIPT = Target(
     language=JAVASCRIPT_EXPRESSIONS, names="javascript",
     operation=_with_helpers(_JAVASCRIPT_HELPERS, JAVASCRIPT_EXPRESSIONS.text),
     number=_javascript_number, array=_listed("const {name} = [", _javascript_number),
-    cast=_javascript_cast, truths=("false", "true"), again="let {name} = {value};",
+    cast=_javascript_cast, again="let {name} = {value};",
     member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
     function=("{public}function {name}({parameters}) {{", "}\n"),
     repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
@@ -396,12 +396,10 @@ RUST = Target(
     array=_listed("static {name}: [{type}; {count}] = [", _rust_number), types=_RUST_TYPES,
     cast=lambda text, before, after: text if before is after else (
         f"({text} as {_RUST_TYPES[after]})"),
-    truths=("false", "true"), again="let mut {name}: {type} = {value};",
-    whole_tuple="let {name} = {value};", several="({})", several_type="({})",
-    array_type="[{}; {}]", part="{}.{}", member="self.{}",
-    public="pub ", returned="{}", parameter="{name}: {type}", late="{name}: {type}",
-    array_argument="&[{}]", argument="&{}", cast_binds=8,
-    function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
+    again="let mut {name}: {type} = {value};", whole_tuple="let {name} = {value};",
+    several="({})", several_type="({})", array_type="[{}; {}]", part="{}.{}", member="self.{}",
+    public="pub ", returned="{}", parameter="{name}: {type}", array_argument="&[{}]",
+    argument="&{}", cast_binds=8, function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
     when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
     scratch="let mut {name} = [0.0f64; {count}];", lent="&mut {}", written="&mut [{}]",
     helpers=("least", "greatest", "absolute"),

@@ -5,7 +5,7 @@ Python's names live as long as a function; those of other languages as long as a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fuzzyarm.exchange.export.typed_program import (
@@ -24,24 +24,12 @@ from fuzzyarm.exchange.export.typed_program import (
     When,
     While,
     Whole,
+    blocks_of,
+    every_line,
     every_node,
 )  # fmt: skip
 from fuzzyarm.symbolic.nodes import Symbol, constant
 from fuzzyarm.symbolic.printing import Assign
-
-
-def _inner(line: Line) -> list[tuple[Line, ...]]:
-    """Return the blocks of a compound statement."""
-    if isinstance(line, When):
-        return [line.then, line.otherwise]
-    return [line.body] if isinstance(line, Count | While) else []
-
-
-def _every(body: Sequence[Line]) -> Iterator[Line]:
-    for line in body:
-        yield line
-        for block in _inner(line):
-            yield from _every(block)
 
 
 def _own(line: Line) -> list[Any]:
@@ -66,7 +54,7 @@ def _names(nodes: Sequence[Any]) -> set[str]:
 def read_in(body: Sequence[Line]) -> set[str]:
     """Return the variables and arrays that statements read or write into."""
     found = set[str]()
-    for line in _every(body):
+    for line in every_line(body):
         found |= _names(_own(line))
         if isinstance(line, Store):
             found.add(line.array)
@@ -75,13 +63,13 @@ def read_in(body: Sequence[Line]) -> set[str]:
 
 def set_in(body: Sequence[Line]) -> set[str]:
     """Return the variables that statements set."""
-    return {line.name for line in _every(body) if isinstance(line, Assign)}
+    return {line.name for line in every_line(body) if isinstance(line, Assign)}
 
 
 def without_unread(body: list[Line]) -> list[Line]:
     """Return statements without variables that nothing reads."""
     kept = _only(body, read_in(body))
-    if len(list(_every(kept))) == len(list(_every(body))):
+    if len(list(every_line(kept))) == len(list(every_line(body))):
         return kept
     return without_unread(kept)
 
@@ -117,7 +105,7 @@ def declared_first(
             if isinstance(line, Assign):
                 known.add(line.name)
             inner = known | ({line.variable} if isinstance(line, Count) else set())
-            for part in _inner(line):
+            for part in blocks_of(line):
                 visit(part, inner)
 
     visit(body, parameters)

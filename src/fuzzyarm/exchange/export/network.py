@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from fuzzyarm.base.errors import demand_extra
 from fuzzyarm.base.numbers import outward_text
 from fuzzyarm.exchange.export.numbers import ExportError
-from fuzzyarm.exchange.export.routine import CallCost, plain, routine_words
+from fuzzyarm.exchange.export.routine import MADE, CallCost, plain, routine_words
 from fuzzyarm.exchange.export.table import FloatTable, Reals, TableRoutine, fewer_levels
 from fuzzyarm.version import __version__
 
@@ -259,12 +259,8 @@ def _subsets(axes: int) -> Iterator[tuple[int, ...]]:
 def network_of(routines: Sequence[Any]) -> NetworkRoutine:
     """Return the network of a table.
 
-    Raises
-    ------
-    ExportError
-        If it is not a single interpolated table of floating-point numbers.
-    MissingExtraError
-        Without the package onnx.
+    ExportError if it is not a single interpolated table of floating-point numbers,
+    MissingExtraError without the package onnx.
     """
     demand_extra("onnx", "onnx", "a network (.onnx)")
     if len(routines) != 1:
@@ -292,7 +288,6 @@ _HINT = "leave out --direct, --q and --mode"
 def network_bytes(routine: NetworkRoutine, name: str) -> bytes:
     """Return the file of a network."""
     words = routine_words(routine)
-    head = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
     inputs = ", ".join(argument.name for argument in routine.arguments)
-    model = routine.core.model(name, [head, f"inputs: {inputs}", *map(plain, words)])
+    model = routine.core.model(name, [MADE, f"inputs: {inputs}", *map(plain, words)])
     return bytes(model.SerializeToString(deterministic=True))

@@ -144,13 +144,7 @@ _LISTS: dict[str, tuple[str, dict[str, str]]] = {
 
 
 def plcopen_xml(project: Project) -> str:
-    """Return the text of a file.
-
-    Parameters
-    ----------
-    project : Project
-        Units of Structured Text.
-    """
+    """Return the text of a file."""
     Xml.register_namespace("", _SPACE)
     Xml.register_namespace("xhtml", _TEXT)
     root = Xml.Element(_of("project"))

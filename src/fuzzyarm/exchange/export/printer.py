@@ -91,8 +91,8 @@ class Target:
         The lines of compound statements.
     function : tuple of str
         The line before the body, and the one after.
-    parameter : str
-        With holes ``name`` and ``type``.
+    parameter, late : str
+        With holes ``name`` and ``type``; that of the end of a set point, if it differs.
     array : callable
         From a printer, a name and an array to its definition.
     helpers : tuple of str
@@ -126,15 +126,15 @@ class Target:
     names: str
     operation: Callable[[Printer, Operation, Kind], str]
     number: Callable[[Printer, float, Kind], str]
-    truths: tuple[str, str]
     cast: Callable[[str, Kind, Kind], str]
     array: Callable[[Printer, str, Kind, Sequence[float], int], str]
     member: str
     again: str
     function: tuple[str, str]
     types: Mapping[Kind, str] = field(default_factory=dict)
+    truths: tuple[str, str] = ("false", "true")
     parameter: str = "{name}"
-    late: str = "{name}"
+    late: str = ""
     array_argument: str = ""
     argument: str = "{}"
     element: str = "{0}[{1}]"
@@ -357,7 +357,7 @@ class FunctionPrinter:
             template = target.written if variable.size else template
             kind = template.format(kind) if template else kind
             late = variable.kind is TRUTH and not self.function.of_kernel
-            form = target.late if late else target.parameter
+            form = (target.late if late else "") or target.parameter
             texts.append(form.format(name=self.rename[key], type=kind))
         return texts
 

@@ -17,6 +17,9 @@ from fuzzyarm.base.numbers import number_text, outward_text
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.version import __version__
 
+MADE = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
+"""The first line of an exported file."""
+
 WIDTH = 96
 """Longest line of a list of numbers."""
 
@@ -139,7 +142,7 @@ def head_lines(
     routines: Sequence[Routine], prototypes: Sequence[str], flash: int, use: str, test: str
 ) -> list[str]:
     """Return the comment of a C file as lines, an empty one last."""
-    lines = [f"made by fuzzyarm {__version__}; do not edit: make it again from its source", ""]
+    lines = [MADE, ""]
     for routine, prototype in zip(routines, prototypes, strict=True):
         lines += [prototype, *_indented(routine_words(routine)), ""]
     lines += [

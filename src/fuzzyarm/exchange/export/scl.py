@@ -50,18 +50,7 @@ _TOKEN = re.compile(
 
 
 def scl_source(project: Project) -> str:
-    """Return the text of a file.
-
-    Parameters
-    ----------
-    project : Project
-        Units of Structured Text.
-
-    Raises
-    ------
-    ExportError
-        If a function of mathematics does not exist in SCL.
-    """
+    """Return the text of a file; ExportError for a function of mathematics that SCL lacks."""
     units = {unit.name: unit for unit in project.units}
     return "\n".join(_SclUnit(unit, units).text() for unit in project.units)
 

@@ -269,10 +269,8 @@ def _ends(member: Member, x0: float, x1: float) -> tuple[float, float]:
     """Return the degrees of a set at the ends of a stretch within one of its pieces."""
     for piece in member.pieces:
         if piece.x0 <= x0 and x1 <= piece.x1:
-            slope = (piece.y1 - piece.y0) / (piece.x1 - piece.x0)
-            left = piece.y0 if x0 == piece.x0 else piece.y0 + slope * (x0 - piece.x0)
-            right = piece.y1 if x1 == piece.x1 else piece.y0 + slope * (x1 - piece.x0)
-            return left, right
+            part = piece.between(x0, x1)
+            return part.y0, part.y1
     return 0.0, 0.0
 
 

@@ -295,6 +295,19 @@ class Steps:
         return [variable for variable in self.variables.values() if variable.sort == sort]
 
     @property
+    def port_sorts(self) -> list[str]:
+        """The sorts of its ports, in the order of a step's arguments."""
+        return [sort for sort in ("reference", "measured", "drive") if self.of_sort(sort)]
+
+    def port_name(self, port: StepVariable) -> str:
+        """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
+        return port.name if self.model.has_one_axis else f"{port.axis}.{port.name}"
+
+    def port_names(self, sort: str) -> list[str]:
+        """Return the names of the ports of a sort."""
+        return list(map(self.port_name, self.of_sort(sort)))
+
+    @property
     def single(self) -> bool:
         """Whether signals are stored in single precision."""
         return self.precision.outside is np.float32

@@ -28,6 +28,7 @@ from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target
 from fuzzyarm.exchange.export.routine import (
+    MADE,
     Routine,
     comment,
     number_lines,
@@ -67,6 +68,7 @@ from fuzzyarm.exchange.export.typed_program import (
     While,
     at,
     cast,
+    every_line,
     every_node,
 )
 from fuzzyarm.symbolic.identifiers import Names, identifier
@@ -81,7 +83,6 @@ from fuzzyarm.symbolic.printing import (
     statements,
     variables,
 )
-from fuzzyarm.version import __version__
 
 FIRED, RESULT, FOUND = "a rule fires", "what is returned", "what was found"
 """Symbols: the flag of firing, without a number for "none"; the result; its value if a rule fires.
@@ -445,8 +446,7 @@ def _routine_words(routine: Routine) -> list[str]:
     if isinstance(routine, DirectRoutine):
         words = [line for line in words if line != routine.silence]
         words.append("where no rule fires the output keeps its value, and fired is FALSE")
-    head = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
-    return [head, "", *words]
+    return [MADE, "", *words]
 
 
 class _File(Printer):
@@ -480,8 +480,9 @@ class _File(Printer):
                     lent[node.array] = len(self.program.arrays[node.array].values)
             elif isinstance(node, Called):
                 lent |= self.lent.get(node.function, {})
-        for line in _every_run(function.body):
-            lent |= self.lent.get(line.function, {})
+        for line in every_line(function.body):
+            if isinstance(line, Run):
+                lent |= self.lent.get(line.function, {})
         return lent
 
     def array_of_type(self, name: str, kind: Kind, size: int, start: str = "") -> Declaration:
@@ -506,14 +507,6 @@ class _File(Printer):
         if self.program.step is not None:
             units.append(_Unit(self, "", self.program.step, words).unit())
         return Project(self.stem, tuple(units), tuple(blocks), tuple(self.array_types.values()))
-
-
-def _every_run(body: Sequence[Line]) -> Iterator[Run]:
-    for line in body:
-        if isinstance(line, Run):
-            yield line
-        elif isinstance(line, tuple):
-            yield from _every_run([part for part in line if isinstance(part, tuple)])
 
 
 ERROR = "error of the block"

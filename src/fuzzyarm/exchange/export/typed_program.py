@@ -24,7 +24,7 @@ import numpy as np
 
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.symbolic.nodes import Node, apply, symbol
-from fuzzyarm.symbolic.printing import Assign
+from fuzzyarm.symbolic.printing import Assign, Choose
 
 REAL, WHOLE, TRUTH = np.float64, np.int32, bool
 """Kinds of variables, beside the small whole numbers of fixed point."""
@@ -462,6 +462,21 @@ def _counting(kind: Kind, first: int, *, reached: bool) -> Function:
     remark = "the number of elements that x has reached" if reached else (
         "the number of elements smaller than x; none for NaN")  # fmt: skip
     return Function(stem, parameters, INDEX, body, local, kind, remark=remark)
+
+
+def blocks_of(line: Line) -> list[tuple[Line, ...]]:
+    """Return the blocks of a compound statement."""
+    if isinstance(line, When | Choose):
+        return [line.then, line.otherwise]
+    return [line.body] if isinstance(line, Repeat | While | Count) else []
+
+
+def every_line(body: Iterable[Line]) -> Iterator[Line]:
+    """Yield all statements, each before those in it."""
+    for line in body:
+        yield line
+        for block in blocks_of(line):
+            yield from every_line(block)
 
 
 def every_node(lines: Iterable[Any]) -> Iterator[Node]:

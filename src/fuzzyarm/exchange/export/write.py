@@ -16,7 +16,7 @@ from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.c_files import controller_c, routines_c
 from fuzzyarm.exchange.export.controller_lowering import controller_program
-from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
+from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.fmu import controller_fmu, platforms_named, routines_fmu
 from fuzzyarm.exchange.export.languages import MODULES
 from fuzzyarm.exchange.export.lowering import routines_program
@@ -25,7 +25,7 @@ from fuzzyarm.exchange.export.network import network_bytes, network_of
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError
 from fuzzyarm.exchange.export.plcopen import plcopen_xml, with_test
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer
-from fuzzyarm.exchange.export.routine import Routine, plain, routine_words
+from fuzzyarm.exchange.export.routine import MADE, Routine, plain, routine_words
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.exchange.export.scl import scl_source
 from fuzzyarm.exchange.export.structured_text import Project, controller_st, routines_st
@@ -40,7 +40,6 @@ from fuzzyarm.exchange.export.typed_program import SelfTest
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic.identifiers import C_RESERVED, DEVICES, ST_RESERVED, identifier
 from fuzzyarm.table import LookupTable
-from fuzzyarm.version import __version__
 
 _Texts = tuple[tuple[Path, str | bytes], ...]
 
@@ -328,8 +327,10 @@ def _in_c(given: _Given, to: _To) -> _Made:
 
 def _structured(written: Callable[[Project], str]) -> Callable[[_Given, _To], _Made]:
     def in_structured_text(given: _Given, to: _To) -> _Made:
-        made = controller_st if isinstance(given, ControllerProgram) else routines_st
-        project = made(given, to.prefix)
+        if isinstance(given, ControllerProgram):
+            project = controller_st(given, to.prefix)
+        else:
+            project = routines_st(given, to.prefix)
         tested = project if written is Project.text else with_test(project, given)
         return _Made(to.file(written(tested)), project.blocks)
 
@@ -417,24 +418,20 @@ class ExportedController(Files):
 
     program: ControllerProgram
 
-    def _ports(self, sort: str) -> list[str]:
-        steps = self.program.steps
-        return [port_name(steps, port) for port in steps.of_sort(sort)]
-
     @property
     def references(self) -> list[str]:
         """Its set points."""
-        return self._ports("reference")
+        return self.program.steps.port_names("reference")
 
     @property
     def measured(self) -> list[str]:
         """Its measured values."""
-        return self._ports("measured")
+        return self.program.steps.port_names("measured")
 
     @property
     def drives(self) -> list[str]:
         """The driven ports."""
-        return self._ports("drive")
+        return self.program.steps.port_names("drive")
 
     @property
     def gains(self) -> list[str]:
@@ -497,7 +494,7 @@ def routines_module(
     public = [key for key, function in program.functions.items() if function.public]
     calls = tuple(printer.call(key) for key in public)
     words = [
-        f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+        MADE,
         "",
         *(line for routine, call in zip(routines, calls, strict=True)
           for line in (call, *(f"  {word}" for word in routine_words(routine)), "")),

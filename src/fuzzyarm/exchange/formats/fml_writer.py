@@ -174,7 +174,7 @@ class _Writer(SystemWriter):
             shape = self.without_height(variable, term)
             order = str(int(shape.kind == "linear"))
             yield f"<tskTerm{_attributes(**name, order=order)}>"
-            if shape.kind in ("linear", "singleton"):
+            if shape.kind in ("linear", "singleton") and shape.parameters:
                 *factors, constant = shape.parameters
                 # IEEE 1855 has the constant first, the model last.
                 for value in (constant, *factors):
