@@ -288,17 +288,20 @@ def replace(root: Node, values: Mapping[str, Number]) -> Node:
     return nodes[root]
 
 
-def substituted(root: Node, part: Node, instead: Node) -> Node:
-    """Return an expression with one part replaced by another."""
+def rebuilt(root: Node, change: Callable[[Node, Node], Node]) -> Node:
+    """Return an expression with `change` of each node and of what it is over changed arguments."""
     nodes: dict[Node, Node] = {}
     for node in postorder(root):
-        if node is part:
-            nodes[node] = instead
-        elif isinstance(node, Apply):
-            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
-        else:
-            nodes[node] = node
+        new = node
+        if isinstance(node, Apply):
+            new = apply(node.operation, *(nodes[child] for child in node.arguments))
+        nodes[node] = change(node, new)
     return nodes[root]
+
+
+def substituted(root: Node, part: Node, instead: Node) -> Node:
+    """Return an expression with one part replaced by another."""
+    return rebuilt(root, lambda node, new: instead if node is part else new)
 
 
 def argument_names(function: Callable[..., object]) -> tuple[str, ...]:

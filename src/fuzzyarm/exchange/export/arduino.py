@@ -31,6 +31,7 @@ from fuzzyarm.exchange.export.boards import Board, Footprint, demand_fit
 from fuzzyarm.exchange.export.c import LIBRARY, PORTS
 from fuzzyarm.exchange.export.c_files import CText, controller_c, routines_c
 from fuzzyarm.exchange.export.controllers import ControllerProgram
+from fuzzyarm.exchange.export.document import filled_text
 from fuzzyarm.exchange.export.guard import step_name
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError, Kind, c_number
 from fuzzyarm.exchange.export.routine import Routine, plain
@@ -93,7 +94,7 @@ class BoardPart:
     words: str  # its purpose, in one line
     library: CText
     call: MeasuredStep
-    sketch: list[str]
+    sketch: str
     state: int
     stack: int
     notes: list[str]
@@ -180,7 +181,7 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> Boar
     words = f"{', '.join(r.output.name for r in routines)} of {_listed(first)}"
     notes = [f"`{prototype}`" for prototype in library.prototypes]
     stack = max(routine.cost().stack for routine in routines)
-    sketch = list(_routine_sketch(routines, library, stem, board))
+    sketch = _routine_sketch(routines, library, stem, board)
     return BoardPart(stem, plain(words), library, call, sketch, 0, stack, notes)
 
 
@@ -214,7 +215,7 @@ def board_part(program: ControllerProgram, stem: str, board: Board) -> BoardPart
     model = program.text.model
     words = plain(f"{model.name}: {model.description}" if model.description else model.name)
     notes = [f"`{prototype}`" for prototype in library.prototypes]
-    sketch = list(_controller_sketch(program, library, stem, board))
+    sketch = _controller_sketch(program, library, stem, board)
     inputs = len(steps.of_sort("measured"))
     return BoardPart(
         stem, words, library, call, sketch, library.printer.ram(), 0, notes, model.period, inputs
@@ -249,157 +250,158 @@ def _number(value: float, kind: Kind) -> str:
 # --- The sketch ---
 
 
-def _routine_sketch(
-    routines: Sequence[Routine], library: CText, stem: str, board: Board
-) -> Iterator[str]:
-    """Yield the lines of a sketch that reads every input from a pin and prints every output."""
-    names = _sketch_names()
+_ROUTINES = """
+// Reads <inputs>, prints <outputs>. Made by fuzzyarm; change it at will, in a copy.
+#include <<stem>.h>
+
+void setup()
+{
+    Serial.begin(115200);
+}
+<last>
+
+void loop()
+{
+    <read>
+    <printed>
+    delay(100);
+}
+"""
+
+
+def _routine_sketch(routines: Sequence[Routine], library: CText, stem: str, board: Board) -> str:
+    """Return a sketch that reads every input from a pin and prints every output."""
+    names = Names(reserved=set(_IN_SKETCH), refused=ARDUINO_MACROS)
     first = routines[0]
-    scales = _scales(first)
+    kind, scales = C_TYPES[first.kind], _scales(first)
+    last, read, printed = [], [], []
     variables = []
-    yield from _opening(stem, f"Reads {_listed(first)}, prints {_outputs(routines)}.")
-    for routine in routines:
-        if _holds(routine):
-            yield f"static {C_TYPES[routine.kind]} {identifier('last ' + routine.output.name)};"
-    yield from ["", "void loop()", "{"]
     for number, argument in enumerate(a for a in first.arguments if not a.holds):
-        name = names.new(argument.name)
-        variables.append(name)
+        variables.append(names.new(argument.name))
         text = _from_pin(argument.low, argument.high, number, scales[number], first.kind, board)
-        yield f"    const {C_TYPES[first.kind]} {name} = {text};"
+        read.append(f"const {kind} {variables[-1]} = {text};")
     for routine, prototype in zip(routines, library.prototypes, strict=True):
-        result = names.new(routine.output.name)
-        arguments = list(variables)
-        last = identifier("last " + routine.output.name)
-        if _holds(routine):
-            arguments.append(last)
+        result, held = names.new(routine.output.name), identifier(f"last {routine.output.name}")
+        # A routine that holds its value has no state: its caller passes the last one.
+        holds = any(argument.holds for argument in routine.arguments)
         kind = C_TYPES[routine.kind]
-        yield f"    const {kind} {result} = {_function(prototype)}({', '.join(arguments)});"
-        if _holds(routine):
-            yield f"    {last} = {result};"
-        yield f'    Serial.print("{_quoted(routine.output.name)} ");'
-        yield f"    Serial.println({_quantity(result, _scales(routine)[-1])}, 3);"
-    yield from ["    delay(100);", "}", ""]
+        given = ", ".join([*variables, held] if holds else variables)
+        printed.append(f"const {kind} {result} = {_function(prototype)}({given});")
+        if holds:
+            last.append(f"static {kind} {held};")
+            printed.append(f"{held} = {result};")
+        printed.append(f'Serial.print("{_quoted(routine.output.name)} ");')
+        printed.append(f"Serial.println({_quantity(result, _scales(routine)[-1])}, 3);")
+    return filled_text(_ROUTINES, {
+        "stem": stem, "inputs": plain(_listed(first)), "last": last, "read": read,
+        "outputs": plain(", ".join(routine.output.name for routine in routines)),
+        "printed": printed,
+    })  # fmt: skip
+
+
+# A line takes a millisecond at 115200 baud: `show` prints rarely.
+_CONTROLLER = """
+// <words> Made by fuzzyarm; change it at will, in a copy.
+#include <<stem>.h>
+
+static <stem>_state state;
+<ports>
+static const unsigned long period = <count>UL; // <unit>
+static unsigned long began, overruns<turns>;
+
+void setup()
+{
+    Serial.begin(115200);
+    <stem>_init(&state);
+    began = <clock>() - period;
+}
+
+static void show()
+{
+    <rarely>
+    <drives>
+    if (overruns > 0) {
+        Serial.print("overruns ");
+        Serial.println(overruns);
+    }
+}
+
+void loop()
+{
+    const unsigned long passed = <clock>() - began; // right when it wraps, too
+    if (passed < period) {
+        return;
+    }
+    if (passed - period < period) {
+        began += period; // so that a short delay does not add up
+    } else {
+        began += passed; // a whole period late: anew, nothing is made up for
+        overruns++;
+    }
+
+    <given>
+    <stem>_<step>(<arguments>);
+    show();
+}
+"""
 
 
 def _controller_sketch(
     program: ControllerProgram, controller: CText, stem: str, board: Board
-) -> Iterator[str]:
-    """Yield the lines of a sketch that runs a controller at its period."""
+) -> str:
+    """Return a sketch that runs a controller at its period."""
     steps, model = program.steps, program.text.model
-    measured, drives = steps.of_sort("measured"), steps.of_sort("drive")
-    clock = clock_of(model.period)
+    kind, clock = steps.precision.outside, clock_of(model.period)
     every = max(1, round(_SECONDS_BETWEEN_LINES / model.period))
-    yield from _opening(
-        stem,
-        f"Runs {model.name} every {number_text(model.period)} s; prints its drives, and how many"
-        " periods began too late.",
-        [f"{stem}_init(&state);", f"began = {clock.function}() - period;"],
-        [
-            f"static {stem}_state state;",
-            *([f"static {stem}_reference reference;"] if steps.of_sort("reference") else []),
-            *([f"static {stem}_drives drive;"] if drives else []),
-            f"static const unsigned long period = {clock.count}UL; // {clock.unit}",
-            f"static unsigned long began, overruns{', turns' if every > 1 else ''};",
-        ],
-    )
-    yield from _shown(program, controller, every)
-    yield from [
-        "",
-        "void loop()",
-        "{",
-        f"    const unsigned long passed = {clock.function}() - began; // right when it wraps, too",
-        "    if (passed < period) {",
-        "        return;",
-        "    }",
-        "    if (passed - period < period) {",
-        "        began += period; // so that a short delay does not add up",
-        "    } else {",
-        "        began += passed; // a whole period late: anew, nothing is made up for",
-        "        overruns++;",
-        "    }",
-        "",
+    ports = [f"static {stem}_{PORTS[sort]} {sort};" for sort in steps.port_sorts
+             if sort != "measured"]  # fmt: skip
+    given = [
+        f"{controller.place(port)} = {c_number(0.0, kind)};"
+        f" /* what you want of {_said(program, port)} */"
+        for port in steps.of_sort("reference")
     ]
-    kind = steps.precision.outside
-    for port in steps.of_sort("reference"):
-        zero = c_number(0.0, kind)
-        member = controller.place(port)
-        yield f"    {member} = {zero}; /* what you want of {_said(program, port)} */"
-    arguments = ["&state"]
-    if steps.of_sort("reference"):
-        arguments.append("&reference")
-    if measured:
-        yield f"    {stem}_measured measured;"
-        arguments.append("&measured")
-    for number, port in enumerate(measured):
+    if steps.of_sort("measured"):
+        given.append(f"{stem}_measured measured;")
+    for number, port in enumerate(steps.of_sort("measured")):
         text = _from_pin(-1.0, 1.0, number, None, kind, board)
         remark = f"/* {_said(program, port)}: the range of your sensor */"
-        yield f"    {controller.place(port)} = {text}; {remark}"
-    if drives:
-        arguments.append("&drive")
-    step = step_name(guarded=program.certified is not None)
-    yield f"    {stem}_{step}({', '.join(arguments)});"
-    yield "    show();"
-    yield from ["}", ""]
-
-
-def _shown(program: ControllerProgram, controller: CText, every: int) -> Iterator[str]:
-    """Yield the function that prints, rarely: a line takes a millisecond at 115200 baud."""
-    yield from ["", "static void show()", "{"]
-    if every > 1:
-        yield from [
-            f"    if (++turns < {every}UL) {{",
-            "        return;",
-            "    }",
-            "    turns = 0;",
-        ]
-    for port in program.steps.of_sort("drive"):
-        yield f'    Serial.print("{_quoted(_said(program, port))} ");'
-        yield f"    Serial.println({controller.place(port)}, 3);"
-    yield from ["    if (overruns > 0) {", '        Serial.print("overruns ");']
-    yield from ["        Serial.println(overruns);", "    }", "}"]
-
-
-def _opening(
-    stem: str, words: str, setup: Sequence[str] = (), state_lines: Sequence[str] = ()
-) -> Iterator[str]:
-    yield f"// {plain(words)} Made by fuzzyarm; change it at will, in a copy."
-    yield f"#include <{stem}.h>"
-    yield from ["", *state_lines, *([""] if state_lines else [])]
-    yield from ["void setup()", "{", "    Serial.begin(115200);"]
-    yield from [f"    {line}" for line in setup]
-    yield "}"
-
-
-def _self_test_sketch(part: BoardPart) -> list[str]:
-    return [
-        "// Reports whether this board agrees with the model.",
-        f"#include <{part.stem}.h>",
-        "",
-        "void setup()",
-        "{",
-        "    Serial.begin(115200);",
-        f'    Serial.println({part.library.self_test}() == 0 ? "the same" : "not the same");',
-        "}",
-        "",
-        "void loop()",
-        "{",
-        "}",
-        "",
+        given.append(f"{controller.place(port)} = {text}; {remark}")
+    drives = [
+        line
+        for port in steps.of_sort("drive")
+        for line in (
+            f'Serial.print("{_quoted(_said(program, port))} ");',
+            f"Serial.println({controller.place(port)}, 3);",
+        )
     ]
+    rarely = [f"if (++turns < {every}UL) {{", "    return;", "}", "turns = 0;"]
+    words = (
+        f"Runs {model.name} every {number_text(model.period)} s; prints its drives, and how many"
+        " periods began too late."
+    )
+    return filled_text(_CONTROLLER, {
+        "words": plain(words), "stem": stem, "ports": ports, "count": str(clock.count),
+        "unit": clock.unit, "clock": clock.function, "turns": ", turns" * (every > 1),
+        "rarely": rarely if every > 1 else [], "drives": drives, "given": given,
+        "step": step_name(guarded=program.certified is not None),
+        "arguments": ", ".join(["&state", *(f"&{sort}" for sort in steps.port_sorts)]),
+    })  # fmt: skip
 
 
-def _sketch_names() -> Names:
-    return Names(reserved=set(_IN_SKETCH), refused=ARDUINO_MACROS)
+_SELF_TEST = """
+// Reports whether this board agrees with the model.
+#include <<stem>.h>
 
+void setup()
+{
+    Serial.begin(115200);
+    Serial.println(<test>() == 0 ? "the same" : "not the same");
+}
 
-def _outputs(routines: Sequence[Routine]) -> str:
-    return ", ".join(routine.output.name for routine in routines)
-
-
-def _holds(routine: Routine) -> bool:
-    # A routine that holds its value has no state: its caller passes the last one.
-    return any(argument.holds for argument in routine.arguments)
+void loop()
+{
+}
+"""
 
 
 def _scales(routine: Routine) -> list[WholeNumberScale | None]:
@@ -446,8 +448,8 @@ def _quoted(text: str) -> str:
 def _files(
     part: BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
 ) -> Iterator[tuple[str, str]]:
-    stem, sketch = part.stem, "\n".join(part.sketch)
-    testing = "\n".join(_self_test_sketch(part))
+    stem = part.stem
+    testing = filled_text(_SELF_TEST, {"stem": stem, "test": part.library.self_test})
     library = {
         "library.properties": _properties(part, board),
         "library.json": _library_json(part, board),
@@ -456,13 +458,14 @@ def _files(
     }
     if place == "arduino":
         yield from library.items()
-        yield f"examples/{stem}_example/{stem}_example.ino", sketch
+        yield f"examples/{stem}_example/{stem}_example.ino", part.sketch
         yield f"examples/{stem}_test/{stem}_test.ino", testing
     else:
         for name, text in library.items():
             yield f"lib/{stem}/{name}", text
-        yield "platformio.ini", _platformio_ini(board)
-        yield "src/main.cpp", f"#include <Arduino.h>\n\n{sketch}"
+        words = {"environment": board.environment, "platform": board.platform}
+        yield "platformio.ini", filled_text(_PLATFORMIO, words)
+        yield "src/main.cpp", f"#include <Arduino.h>\n\n{part.sketch}"
         yield f"lib/{stem}/examples/{stem}_test/{stem}_test.ino", testing
     yield "README.md", "\n".join([*_readme(part, board, place, measured, doubt), ""])
 
@@ -510,17 +513,13 @@ def _keywords(part: BoardPart) -> str:
     return "".join(f"{name}\tKEYWORD2\n" for name in listed)
 
 
-def _platformio_ini(board: Board) -> str:
-    return "\n".join(
-        [
-            f"[env:{board.environment}]",
-            f"platform = {board.platform}",
-            f"board = {board.environment}",
-            "framework = arduino",
-            "monitor_speed = 115200",
-            "",
-        ]
-    )
+_PLATFORMIO = """
+[env:<environment>]
+platform = <platform>
+board = <environment>
+framework = arduino
+monitor_speed = 115200
+"""
 
 
 _MARKDOWN = re.compile(r"[\\`*\[<&~]|(?<!\w)_|_(?!\w)")

@@ -17,6 +17,7 @@ from pathlib import Path
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.boards import Board, Footprint
+from fuzzyarm.exchange.export.document import filled_text
 from fuzzyarm.exchange.export.numbers import ExportError
 
 FLAGS = ("-Os", "-std=gnu11", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections")
@@ -120,7 +121,8 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredSte
         folder = Path(name)
         for file, text in files.items():
             (folder / file).write_text(text, "utf-8")
-        (folder / "size.c").write_text(_size_program(call), "utf-8")
+        blocks = vars(call)
+        (folder / "size.c").write_text(filled_text(_SIZE, blocks), "utf-8")
         target = [f"-mmcu={board.processor}", f"-DF_CPU={board.clock}UL", *FLAGS]
         compiler = _say(["avr-gcc", "-dumpversion"], folder).strip()
         _say(["avr-gcc", *target, "-c", f"{stem}.c", "-o", "own.o"], folder)
@@ -137,7 +139,7 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredSte
         fits = flash <= board.flash and static < board.ram
         if not has_simulator() or not fits:
             return Measured(compiler, Footprint(flash, static, 0, parts), size, None, None)
-        (folder / "run.c").write_text(_run_program(call), "utf-8")
+        (folder / "run.c").write_text(filled_text(_RUN, blocks), "utf-8")
         sources = ["run.c", f"{stem}.c", f"{stem}_self_test.c", "-o", "run", "-lm"]
         _say(["avr-gcc", *target, *sources, roomy], folder)
         processor = board.processor
@@ -190,29 +192,36 @@ def _sizes(file: str, folder: Path) -> tuple[int, int, int]:
     return int(numbers[0]), int(numbers[1]), int(numbers[2])
 
 
-def _size_program(call: MeasuredStep) -> str:
-    body = ["int k = 0;", *call.start, "for (;;) {", *call.load, call.call, "}"]
-    return "\n".join(
-        [
-            f'#include "{call.header}"',
-            "#ifdef CALL",
-            *call.declarations,
-            "int main(void)", "{", *body, "}",
-            "#else",
-            "int main(void)", "{", "for (;;) {", "}", "}",
-            "#endif", "",
-        ]
-    )  # fmt: skip
-
+_SIZE = """
+#include "<header>"
+#ifdef CALL
+<declarations>
+int main(void)
+{
+    int k = 0;
+    <start>
+    for (;;) {
+        <load>
+        <call>
+    }
+}
+#else
+int main(void)
+{
+    for (;;) {
+    }
+}
+#endif
+"""
 
 # Timer 1 counts 16 bits: first every cycle, then every 1,024th. A call takes the same cycles each
 # time, so both readings determine them; the time of an empty call is subtracted.
 _RUN = """#include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
-#include "HEADER"
+#include "<header>"
 
-DECLARATIONS
+<declarations>
 
 extern uint8_t _end;
 static volatile int k;
@@ -248,7 +257,7 @@ static void __attribute__((noinline)) nothing(void)
 
 static void __attribute__((noinline)) step(void)
 {
-    CALL
+    <call>
 }
 
 static uint16_t __attribute__((noinline)) ticks(void (*call)(void), uint8_t clock)
@@ -283,22 +292,22 @@ int main(void)
     UBRR0 = 8;
     UCSR0B = 1 << TXEN0;
     TCCR1A = 0;
-    say("test=", (unsigned long)TEST());
-    START
+    say("test=", (unsigned long)<self_test>());
+    <start>
     say("low=", ticks(nothing, 1));
     say("empty=", depth(nothing));
-    for (k = 0; k < COUNT; k++) {
-        LOAD
+    for (k = 0; k < <count>; k++) {
+        <load>
         say("low=", ticks(step, 1));
     }
-    START
-    for (k = 0; k < COUNT; k++) {
-        LOAD
+    <start>
+    for (k = 0; k < <count>; k++) {
+        <load>
         say("high=", ticks(step, 5));
     }
-    START
-    for (k = 0; k < COUNT; k++) {
-        LOAD
+    <start>
+    for (k = 0; k < <count>; k++) {
+        <load>
         say("stack=", depth(step));
     }
     letter('\\n');
@@ -309,15 +318,6 @@ int main(void)
     return 0;
 }
 """
-
-
-def _run_program(call: MeasuredStep) -> str:
-    words = {
-        "HEADER": call.header, "DECLARATIONS": "\n".join(call.declarations), "CALL": call.call,
-        "TEST": call.self_test, "START": "\n    ".join(call.start), "COUNT": str(call.count),
-        "LOAD": "\n        ".join(call.load),
-    }  # fmt: skip
-    return re.sub(r"\b(" + "|".join(words) + r")\b", lambda match: words[match[0]], _RUN)
 
 
 def _figures(output: str) -> dict[str, list[int]]:

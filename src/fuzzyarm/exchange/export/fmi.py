@@ -10,16 +10,19 @@ References: Functional Mock-up Interface 2.0.4 (2022) and 3.0.1 (2023), modelica
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+
+from fuzzyarm.exchange.export.document import Blocks, filled_text
 
 OK, ERROR = 0, 3
 """Of the status that every function returns."""
 
-# Words in capitals are filled in by `fmi_source`. The token is the GUID of FMI 2 and the
+# The token is the GUID of FMI 2 and the
 # instantiation token of FMI 3: a host that passes another one has read the description of another
 # build, and gets no instance.
-_COMMON = """#include <stddef.h>
+_COMMON = """
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,16 +33,18 @@ _COMMON = """#include <stddef.h>
 #endif
 
 typedef struct { /* an instance */
-MEMBERS    double start; /* of the simulation, s */
+    <members>
+    double start; /* of the simulation, s */
     unsigned long steps; /* that were made */
 } unit;
 
-static const char token[] = "TOKEN";
+static const char token[] = "<token>";
 
 static void begin(unit *u)
 {
     memset(u, 0, sizeof *u);
-BEGIN}
+    <begin>
+}
 
 static unit *instantiate(const char *given)
 {
@@ -57,14 +62,16 @@ static unit *instantiate(const char *given)
 static double *number(unit *u, unsigned reference)
 {
     switch (reference) {
-CASES    default: return NULL;
+    <cases>
+    default: return NULL;
     }
 }
 
 /* What an instance shows, brought up to date before it is read. */
 static void refresh(unit *u)
 {
-REFRESH}
+    <refresh>
+}
 
 static int get_numbers(unit *u, const unsigned *references, size_t count, double *values)
 {
@@ -74,8 +81,8 @@ static int get_numbers(unit *u, const unsigned *references, size_t count, double
         const double *found = number(u, references[k]);
         if (found != NULL) {
             values[k] = *found;
-        } else if (references[k] == TIME) {
-            values[k] = NOW;
+        } else if (references[k] == <time>) {
+            values[k] = <now>;
         } else {
             return 3;
         }
@@ -87,7 +94,7 @@ static int set_numbers(unit *u, const unsigned *references, size_t count, const 
 {
     size_t k;
     for (k = 0; k < count; k++) {
-        double *found = references[k] < SETTABLE ? number(u, references[k]) : NULL;
+        double *found = references[k] < <settable> ? number(u, references[k]) : NULL;
         if (found == NULL) {
             return 3;
         }
@@ -99,7 +106,8 @@ static int set_numbers(unit *u, const unsigned *references, size_t count, const 
 /* Go on to the end of a step of the host. */
 static void advance(unit *u, double end)
 {
-ADVANCE}
+    <advance>
+}
 
 static void *copied(const void *from)
 {
@@ -403,25 +411,21 @@ def fmi_source(version: int, token: str, unit: UnitC) -> str:
     `token` is its name in the description.
     """
     cases = [f"case {number}u: return &{place};" for number, place in enumerate(unit.places)]
-    words = {
-        "MEMBERS": _lines(unit.members),
-        "TOKEN": token,
-        "BEGIN": _lines(unit.begin),
-        "CASES": _lines(cases),
-        "REFRESH": _lines(unit.refresh or ("(void)u;",)),
+    words: Blocks = {
+        "members": unit.members,
+        "token": token,
+        "begin": unit.begin,
+        "cases": cases,
+        "refresh": unit.refresh or ("(void)u;",),
         # The time, the independent variable, has the last reference.
-        "TIME": f"{len(unit.places)}u",
-        "NOW": unit.now,
-        "SETTABLE": f"{unit.settable}u",
-        "ADVANCE": _lines(unit.advance),
+        "time": f"{len(unit.places)}u",
+        "now": unit.now,
+        "settable": f"{unit.settable}u",
+        "advance": unit.advance,
     }
-    text = re.sub(r"\b[A-Z]+\b", lambda match: words.get(match[0], match[0]), _COMMON)
+    text = filled_text(_COMMON, words)
     functions = _in_full(version, _FMI2 if version == 2 else _FMI3)
     return "\n".join([*_head(version), text + functions, *_stubs(version)])
-
-
-def _lines(statements: Sequence[str]) -> str:
-    return "".join(f"    {statement}\n" for statement in statements)
 
 
 def _head(version: int) -> Iterator[str]:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 
 from fuzzyarm.symbolic.evaluation import specialise
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, apply, children, postorder
+from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, children, postorder, rebuilt
 from fuzzyarm.symbolic.operations import OPERATIONS
 
 _CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}
@@ -57,20 +57,18 @@ def folded(node: Node) -> Node:
 
 def without_endless_limits(root: Node) -> Node:
     """Return an expression without limits at infinity, which change no number."""
-    nodes: dict[Node, Node] = {}
-    for node in postorder(root):
-        nodes[node] = (
-            apply(node.operation, *(nodes[child] for child in node.arguments))
-            if isinstance(node, Apply)
-            else node
-        )
+
+    def limited(node: Node, new: Node) -> Node:
         if isinstance(node, Apply) and node.operation == "where":
             condition, value, limit = node.arguments
             endless = isinstance(limit, Constant) and math.isinf(limit.value)
             compared = condition.arguments if isinstance(condition, Apply) else ()
             if endless and set(compared) == {value, limit}:
-                nodes[node] = nodes[value]
-    return nodes[root]
+                assert isinstance(new, Apply)
+                return new.arguments[1]
+        return new
+
+    return rebuilt(root, limited)
 
 
 def shared(roots: Sequence[Node]) -> Node | None:

@@ -6,13 +6,13 @@ class of a controller, as templates: a hole on its own line takes lines.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from fuzzyarm.exchange.export.document import Blocks, filled, filled_text
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target, start_text
 from fuzzyarm.exchange.export.routine import plain
 from fuzzyarm.exchange.export.typed_program import Member
@@ -73,22 +73,12 @@ def module_of(printer: Printer, module: Module, name: str = "module") -> str:
     for each in program.tests:
         stem = f"test of {printer.called[each.function]}" if each.function else "test"
         test += printer.test_lines(each, stem)
-    blocks: dict[str, Sequence[str] | str] = {
+    blocks: Blocks = {
         "constants": printer.constants, "helpers": printer.helpers, "parts": parts, "test": test,
         "more": module.more(printer) if module.more else [], "name": name,
         "identifier": identifier(name),
     }  # fmt: skip
-    return "\n".join(["", *_filled(module.frame, blocks), ""])
-
-
-def _filled(template: str, blocks: Mapping[str, Sequence[str] | str]) -> Iterator[str]:
-    """Yield the lines of a template; a hole on its own line takes lines, others a text."""
-    for line in template.strip("\n").split("\n"):
-        hole = re.fullmatch(r"( *)<(\w+)>", line)
-        if hole is not None and not isinstance(blocks[hole[2]], str):
-            yield from (f"{hole[1]}{each}" for each in blocks[hole[2]])
-        else:
-            yield re.sub(r"<(\w+)>", lambda match: str(blocks[match[1]]), line)
+    return "\n" + filled_text(module.frame, blocks)
 
 
 def _class(printer: Printer, module: Module) -> Iterator[str]:
@@ -108,14 +98,14 @@ def _class(printer: Printer, module: Module) -> Iterator[str]:
         fields.append(module.field.format(**words) + remark)
         starts.append(module.start.format(**words) + ("" if module.field else remark))
     kinds = [printer.target.types.get(each.kind, "") for each in printer.program.drives.values()]
-    blocks: dict[str, Sequence[str] | str] = {
+    blocks: Blocks = {
         "fields": fields, "starts": starts,
         "step": [*function.checks(), *function.lines(step.body)],
         "parameters": ", ".join(filter(None, [module.own, *function.parameter_texts()])),
         "returned": kinds[0] if len(kinds) == 1 else (
             printer.target.several_type.format(", ".join(kinds), *kinds[:1])),
     }  # fmt: skip
-    return _filled(module.controller, blocks)
+    return filled(module.controller, blocks)
 
 
 def _start(printer: Printer, module: Module, member: Member) -> str:

@@ -23,13 +23,12 @@ from fuzzyarm.symbolic.formulas import FormulaError
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES
 from fuzzyarm.symbolic.lines import StraightLine, StraightShape
 from fuzzyarm.symbolic.nodes import (
-    Apply,
     Constant,
     Node,
     Number,
     apply,
     constant,
-    postorder,
+    rebuilt,
     replace,
     symbol,
 )
@@ -73,14 +72,13 @@ def times(a: Node, b: Number) -> Node:
 
 def with_ends(root: Node, low: float, high: float) -> Node:
     """Return an expression with two numbers in place of the infinite ones."""
-    nodes: dict[Node, Node] = {}
-    for node in postorder(root):
-        nodes[node] = node
+
+    def finite(node: Node, new: Node) -> Node:
         if isinstance(node, Constant) and math.isinf(node.value):
-            nodes[node] = constant(high if node.value > 0.0 else low)
-        elif isinstance(node, Apply):
-            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
-    return nodes[root]
+            return constant(high if node.value > 0.0 else low)
+        return new
+
+    return rebuilt(root, finite)
 
 
 def where(condition: Node, then: Number, otherwise: Number) -> Node:

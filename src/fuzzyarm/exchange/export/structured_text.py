@@ -72,7 +72,16 @@ from fuzzyarm.exchange.export.typed_program import (
     every_node,
 )
 from fuzzyarm.symbolic.identifiers import Names, identifier
-from fuzzyarm.symbolic.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
+from fuzzyarm.symbolic.nodes import (
+    Apply,
+    Constant,
+    Node,
+    apply,
+    constant,
+    postorder,
+    rebuilt,
+    symbol,
+)
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import (
     STRUCTURED_TEXT,
@@ -197,13 +206,7 @@ class _Flattening:
 
     def _inner(self, root: Node) -> Node:
         """Return an expression whose searches and calls of blocks are done before."""
-        made: dict[Node, Node] = {}
-        for node in postorder(root):
-            if isinstance(node, Apply):
-                made[node] = apply(node.operation, *(made[part] for part in node.arguments))
-            else:
-                made[node] = self._leaf(node)
-        return made[root]
+        return rebuilt(root, lambda node, new: new if node is not new else self._leaf(node))
 
     def _leaf(self, node: Node) -> Node:
         if isinstance(node, Search):
