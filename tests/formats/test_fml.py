@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import exp, sqrt
 from pathlib import Path
 
@@ -10,9 +11,9 @@ import pytest
 
 from fuzzyarm import check_file, load
 from fuzzyarm.apps.cli.main import main
-from fuzzyarm.exchange.formats import Imported, parse, read
+from fuzzyarm.exchange.formats import Imported, parse, read, write
 from fuzzyarm.inference import infer
-from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, Shape
 from fuzzyarm.language.model.shapes import membership
 
 DATA = Path(__file__).parent / "data"
@@ -94,6 +95,16 @@ def test_a_tsk_rule_base() -> None:
     # At 5 and ¼: max(½, ¾²) × ½ of 1 + 2 × 5 + 3 × ¼, and min(½, 1 − ½) of 2.
     found = infer(good(parse(HEATER, ".fml")), t=5.0, h=0.25)["power"]
     assert found == pytest.approx((0.28125 * 11.75 + 0.5 * 2) / 0.78125, rel=1e-12)
+
+
+def test_a_linear_term_without_numbers_is_refused() -> None:
+    """One made in Python may have none; no text has."""
+    rulebase = good(parse(HEATER, ".fml"))
+    (output,) = rulebase.outputs
+    empty = replace(output.terms[0], shape=Shape("linear"))
+    output = replace(output, terms=(empty, *output.terms[1:]))
+    written = write(replace(rulebase, outputs=(output,)), ".fml")
+    assert [d.name for d in written.errors] == ["unsupported-shape"]
 
 
 def test_a_tsukamoto_rule_base() -> None:
