@@ -45,42 +45,10 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class Making:
-    """Options for a table, source text or a program; None for the file's own choice.
+    """Options for a table, source text or a program: those of an `ExportRequest`, read.
 
-    Attributes
-    ----------
-    source : str
-        Name of the source file, for header comments.
-    output : str or None
-        Name of the output, if there are several.
-    levels : int, sequence of float, mapping of str to either, or None
-        Levels of the inputs of tables.
-    tolerance : float or None
-        In place of levels: permitted error, for the smallest even grid.
-    rounding : float or None
-        Rounding of table values; 0 for none.
-    mode : str or None
-        Lookup mode of tables.
-    date : str or None
-        Date in the provenance of tables.
-    direct : bool
-        Infer the rules, without a table; see `infers`.
-    table : bool
-        Look up tables.
-    q : int or None
-        15 or 7: tables of integers.
-    precision : str or None
-        ``mixed``, ``float32`` or ``float64``; unused with integers.
-    name : str or None
-        Prefix of every identifier.
-    fmi : int
-        Version of FMI.
-    platforms : str or None
-        Platforms of an FMU, such as ``linux64,win64``.
-    proofs : tuple of str
-        Proved properties of a controller's loop, for the header comment.
-    certified : Checked or None
-        The certificate of a guard.
+    None is the file's own choice. `source` is the name of the file and `proofs` are proved properties
+    of a controller's loop, for the header comment; `certified` is the certificate of a guard.
     """
 
     source: str = ""
