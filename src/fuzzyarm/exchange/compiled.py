@@ -47,8 +47,9 @@ Tell = Callable[[str], None]
 class Making:
     """Options for a table, source text or a program: those of an `ExportRequest`, read.
 
-    None is the file's own choice. `source` is the name of the file and `proofs` are proved properties
-    of a controller's loop, for the header comment; `certified` is the certificate of a guard.
+    None is the file's own choice. `source` is the name of the file and `proofs` are proved
+    properties of a controller's loop, for the header comment; `certified` is the certificate of a
+    guard.
     """
 
     source: str = ""

@@ -18,28 +18,10 @@ from fuzzyarm.language.model.rulebase import Variable
 def gathered(
     inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
 ) -> tuple[dict[str, Any], Labels | None]:
-    """Merge inputs passed in a container and by name.
+    """Merge inputs passed in a container and by name; return them and the labels of the results.
 
-    Parameters
-    ----------
-    inputs : mapping, DataFrame, Dataset or None
-        Inputs by name. Other columns of a frame (and variables of a Dataset) are ignored.
-    named : mapping of str to object
-        Further inputs.
-    variables : sequence of Variable
-        The inputs.
-
-    Returns
-    -------
-    given : dict of str to float or array_like
-        Without labels.
-    labels : Labels or None
-        Those to put on the results; None if there are none.
-
-    Raises
-    ------
-    InferenceError
-        If an input is given twice, or the labels of two inputs differ.
+    Other columns of a frame, and variables of a Dataset, are ignored. InferenceError if an input is
+    given twice, or the labels of two inputs differ.
     """
     values_by_name = by_name(inputs, named, variables)
     for value in values_by_name.values():

@@ -150,17 +150,7 @@ def needed_inputs(rulebase: RuleBase, output: str) -> tuple[Input, ...]:
 def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
     """Return a table over further inputs, on which its values do not depend.
 
-    Parameters
-    ----------
-    table : LookupTable
-        Its axes are among `inputs`.
-    inputs : sequence of Input
-        The axes of the result; those missing from `table` get two levels.
-
-    Returns
-    -------
-    LookupTable
-        `table` itself if it has them all.
+    Those get two levels; it is `table` itself if it has them all.
     """
     axes_by_name = {axis.name: axis for axis in table.axes}
     if len(axes_by_name) == len(inputs):

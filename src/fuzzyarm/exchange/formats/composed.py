@@ -24,15 +24,7 @@ _STRAIGHT = frozenset({"min", "max", "bounded"})
 
 
 def norm_of(name: str, sets: Sequence[Degree]) -> Degree:
-    """Return the degree of two or more sets under a T-norm or an S-norm, by its name.
-
-    Parameters
-    ----------
-    name : str
-        The norm, ``t:`` or ``s:`` and its name in the model.
-    sets : sequence of callable
-        The degrees of the sets, joined from the first on.
-    """
+    """Return the degree of sets, joined in order, under the norm ``t:NAME`` or ``s:NAME``."""
     kinds, _, word = name.partition(":")
     norm = (TNORMS if kinds == "t" else SNORMS)[word].scalar
 

@@ -42,21 +42,10 @@ _DIGITS = 10
 
 
 def recovered(xs: Sequence[float], ys: Sequence[float]) -> Shape | None:
-    """Return the shape with the degrees `ys` at `xs`, or None if there is none.
+    """Return the shape with the degrees `ys` (0 to 1) at ascending `xs`, or None if there is none.
 
-    Parameters
-    ----------
-    xs : sequence of float
-        Two or more points in increasing order.
-    ys : sequence of float
-        Degrees there, 0 to 1.
-
-    Returns
-    -------
-    Shape or None
-        A triangle, trapezoid, gaussian, two-sided gaussian, bell, sigmoid, s, z, pi or raised
-        cosine, with a height where the highest sample is below 1. The samples say nothing about it
-        beyond the first and the last point.
+    It has a height where the highest sample is below 1. The samples say nothing about it beyond the
+    first and the last point.
     """
     top = max(ys, default=0.0)
     if len(xs) < 2 or not 0.0 < top <= 1.0 + TOLERANCE:
@@ -120,15 +109,7 @@ def is_joined(shape: Shape, xs: Sequence[float]) -> bool:
 
 
 def beside_lines(shape: Shape, xs: Sequence[float]) -> float:
-    """Return the greatest distance of a shape from the lines through its degrees at `xs`.
-
-    Parameters
-    ----------
-    shape : Shape
-        A set.
-    xs : sequence of float
-        Two or more points in increasing order, which bound the comparison.
-    """
+    """Return the greatest distance of a shape from lines through its degrees at ascending `xs`."""
     degree = membership_function(shape)
     ys = [degree(x) for x in xs]
     worst = 0.0
@@ -146,13 +127,7 @@ def beside_lines(shape: Shape, xs: Sequence[float]) -> float:
 def shape_of(function: Callable[[float], float], low: float, high: float) -> Shape | None:
     """Return the shape of a function, also beyond its range, or None.
 
-    Parameters
-    ----------
-    function : callable
-        Membership function.
-    low, high : float
-        A finite range. The function is evaluated up to half a range beyond it, and between the
-        points of the fit.
+    The function is evaluated up to half a range beyond it, and between the points of the fit.
     """
     width = high - low
     xs = [low + width * (i - _BEYOND) / _ASKED for i in range(_ASKED + 2 * _BEYOND + 1)]

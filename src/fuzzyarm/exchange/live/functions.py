@@ -21,16 +21,7 @@ def shape_or_points(
 ) -> Shape:
     """Return the shape of a function, or straight lines through its degrees, a slight loss.
 
-    Parameters
-    ----------
-    function : callable
-        Membership function.
-    low, high : float
-        A finite range.
-    words : str
-        Subject of the message *taken at 1001 points*.
-    findings : Findings
-        Collector of that message.
+    `words` are the subject of the message *taken at 1001 points*.
     """
     shape = shape_of(function, low, high)
     if shape is not None:
@@ -57,14 +48,7 @@ def input_of(
 ) -> Input:
     """Return an input, clamped if that makes no difference to its terms.
 
-    Parameters
-    ----------
-    name, low, high, description
-        As for the input.
-    shapes : mapping of str to Shape
-        Its terms; those of an evenly spread family get its numbers.
-    read_beyond : bool, optional
-        Whether conclusions read its value, so that a clamp would make a difference.
+    It does if conclusions read its value (`read_beyond`). An evenly spread family gets its numbers.
     """
     outside = "extend"
     if not read_beyond and all(constant_beyond(shape, low, high) for shape in shapes.values()):
