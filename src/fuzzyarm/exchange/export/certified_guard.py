@@ -54,21 +54,11 @@ UNIT, FLUSHED = fmpq(1, 2**24), fmpq(1, 2**126)
 
 
 class _Row(NamedTuple):
-    """A known number, and its role in the loop.
-
-    Attributes
-    ----------
-    known : Known
-        The number.
-    parts : tuple of rational
-        Its deviation from rest, by the states of the loop.
-    doubt : rational
-        How far the true rest is from `known.rest` at most.
-    """
+    """A known number, and its role in the loop."""
 
     known: Known
-    parts: tuple[fmpq, ...]
-    doubt: fmpq
+    parts: tuple[fmpq, ...]  # its deviation from rest, by the states of the loop
+    doubt: fmpq  # how far the true rest is from `known.rest` at most
 
 
 @precisely

@@ -86,27 +86,14 @@ def controller_program(
 
 @dataclass
 class _Lowering:
-    """The walk over the steps.
-
-    Attributes
-    ----------
-    steps : Steps
-        The controller.
-    program : Program
-        Its program.
-    parameters, local : dict of str to Variable
-        Of the step.
-    known : dict of str to Node
-        Substitutes of symbols: expressions used once, and narrow variables, widened at each use.
-    kinds : dict of str to Kind
-        Of all variables.
-    """
+    """The walk over the steps."""
 
     steps: Steps
     program: Program
     flags: bool = False
     parameters: dict[str, Variable] = field(default_factory=dict)
     local: dict[str, Variable] = field(default_factory=dict)
+    # Substitutes of symbols: expressions used once, and narrow variables, widened at each use.
     known: dict[str, Node] = field(default_factory=dict)
     kinds: dict[str, Kind] = field(default_factory=dict)
     held: dict[str, str] = field(default_factory=dict)

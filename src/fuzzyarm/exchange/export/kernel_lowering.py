@@ -145,19 +145,7 @@ class _Walk:
 
 
 class _Lowered(Expressions):
-    """One kernel as a function of the program.
-
-    Attributes
-    ----------
-    key : str
-        Of the function.
-    signature : list of (int, str)
-        Its arguments: the number of a parameter, and of an array which part.
-    returned : Type
-        Its result.
-    result : Node or None
-        The number that it always returns.
-    """
+    """One kernel as a function of the program."""
 
     whole: _Walk
 
@@ -178,7 +166,8 @@ class _Lowered(Expressions):
             if value.given
         }
         self.returned: Type = Nothing.NOTHING
-        self.result: Node | None = None
+        self.result: Node | None = None  # the number that it always returns
+        # Its arguments: the number of a parameter, and of an array which part.
         self.signature: list[tuple[int, str]] = []
         self.uses_scratch = False
         # Number of assignments of each name: one assigned once, to a constant, is that constant.
