@@ -23,7 +23,6 @@ import numpy as np
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.control.controllers.kernel import step
 from fuzzyarm.exchange.export.c_files import controller_c
-from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.exchange.export.cost import step_cost
 from fuzzyarm.exchange.export.trial import trial
 from fuzzyarm.exchange.export.walk_of_steps import steps_of
@@ -146,7 +145,7 @@ class Case:
         """Return nanoseconds of a call of `step`."""
         sides = [
             tuple(
-                {port_name(self.steps, p): each[p.symbol] for p in self.steps.of_sort(sort)}
+                {self.steps.port_name(p): each[p.symbol] for p in self.steps.of_sort(sort)}
                 for sort in ("measured", "reference")
             )
             for each in self.given[:500]

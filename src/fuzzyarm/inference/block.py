@@ -118,77 +118,45 @@ class NotCoveredError(Exception):
 
 
 class Layout(NamedTuple):
-    """The numbers of a rule base.
+    """The numbers of a rule base."""
 
-    Attributes
-    ----------
-    whole, floats : list
-        Input of the kernel.
-    programs : int
-        Number of combinations of the inputs' cells.
-    rows, samples : int
-        Number of work rows, and length of the row of samples.
-    marks : tuple of TermNumbers
-        Of an editable layout: positions of each term's numbers.
-    searches : tuple
-        Of the interpreted kernel: the plain Python that it calls, kept alive by the layout.
-    """
-
+    # Input of the kernel.
     whole: list[int]
     floats: list[float]
-    programs: int
+    programs: int  # number of combinations of the inputs' cells
+    # Number of work rows, and length of the row of samples.
     rows: int
     samples: int
-    marks: tuple[TermNumbers, ...] = ()
+    marks: tuple[TermNumbers, ...] = ()  # of an editable layout: positions of each term's numbers
+    # Of the interpreted kernel: the plain Python that it calls, kept alive by the layout.
     searches: tuple[object, ...] = ()
 
 
 class TermNumbers(NamedTuple):
-    """Positions of a term's numbers in an editable layout.
+    """Positions of a term's numbers in an editable layout."""
 
-    Attributes
-    ----------
-    sort : str
-        ``curve`` (the numbers of its row function), ``pieces`` (four floats each), ``samples``
-        (a degree for each position) or ``value``.
-    variable, term : str
-        The term, without hedges.
-    row : int
-        Of a curve the row of its degrees; of pieces the index of their count in the whole numbers.
-    floats, capacity : int
-        Index of its first number, and the room there.
-    scaled : bool
-        Of a set: whether its rules scale it instead of clipping it.
-    """
-
+    # ``curve`` (the numbers of its row function), ``pieces`` (four floats each), ``samples`` (a
+    # degree for each position) or ``value``.
     sort: str
     variable: str
     term: str
+    # Of a curve the row of its degrees; of pieces the index of their count in the whole numbers.
     row: int
+    # Index of its first number, and the room there.
     floats: int
     capacity: int
-    scaled: bool = False
+    scaled: bool = False  # of a set: whether its rules scale it instead of clipping it
 
 
 class PointBlock(NamedTuple):
-    """A block with room for some points, in memory that needs no array library.
+    """A block with room for some points, in memory that needs no array library."""
 
-    Attributes
-    ----------
-    numbers : memoryview of float64
-        Input of the kernel.
-    whole : memoryview of int64
-        The same memory as whole numbers.
-    columns, results : int
-        First index of inputs and outputs: a row for each, of ``whole[WIDTH]`` numbers.
-    searches : tuple
-        Those of the layout: the numbers name them, so they live as long as the block.
-    """
-
-    numbers: memoryview[float]
-    whole: memoryview[int]
+    numbers: memoryview[float]  # input of the kernel
+    whole: memoryview[int]  # the same memory as whole numbers
+    # First index of inputs and outputs: a row for each, of ``whole[WIDTH]`` numbers.
     columns: int
     results: int
+    # Those of the layout: the numbers name them, so they live as long as the block.
     searches: tuple[object, ...]
 
 

@@ -19,24 +19,14 @@ from fuzzyarm.symbolic.lines import StraightLine, StraightShape
 
 
 class Partition(NamedTuple):
-    """A variable cut at corners; terms are numbered.
+    """A variable cut at corners; terms are numbered."""
 
-    Attributes
-    ----------
-    edges : list of float
-        The corners, ascending.
-    cells : list of dict of int to StraightLine
-        Before the first edge, between neighbours, after the last: the nonzero lines.
-    at : list of dict of int to float
-        At each edge: the nonzero degrees.
-    apart : set of float
-        Edges at which a line on their right has another degree: vertical edges, and peaks missed by
-        rounding.
-    """
-
-    edges: list[float]
+    edges: list[float]  # the corners, ascending
+    # Before the first edge, between neighbours, after the last: the nonzero lines.
     cells: list[dict[int, StraightLine]]
-    at: list[dict[int, float]]
+    at: list[dict[int, float]]  # at each edge: the nonzero degrees
+    # Edges at which a line on their right has another degree: vertical edges, and peaks missed by
+    # rounding.
     apart: set[float]
 
 
@@ -73,26 +63,17 @@ FINENESS = 8
 
 
 class InputCells(NamedTuple):
-    """The cells of an input.
+    """The cells of an input."""
 
-    Attributes
-    ----------
-    edges : tuple of float
-        Ascending; cell i reaches from edge i up to, but not at, edge i + 1. The first and
-        the last are infinite.
-    lines : tuple of dict of int to StraightLine
-        For each cell its nonzero propositions, by their number.
-    first, scale : float
-        ``int((x − first) scale)`` is the bucket of x, clamped to 0 … buckets − 1.
-    starts : tuple of int
-        First cell of the search, for each bucket.
-    """
-
+    # Ascending; cell i reaches from edge i up to, but not at, edge i + 1. The first and the last
+    # are infinite.
     edges: tuple[float, ...]
+    # For each cell its nonzero propositions, by their number.
     lines: tuple[dict[int, StraightLine], ...]
+    # ``int((x − first) scale)`` is the bucket of x, clamped to 0 … buckets − 1.
     first: float
     scale: float
-    starts: tuple[int, ...]
+    starts: tuple[int, ...]  # first cell of the search, for each bucket
 
 
 def cut_into_cells(

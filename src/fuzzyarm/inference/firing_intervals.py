@@ -44,21 +44,12 @@ UPPER, LOWER = 0, 1
 
 
 class Doubled(NamedTuple):
-    """A rule base with each interval as its two ends.
+    """A rule base with each interval as its two ends."""
 
-    Attributes
-    ----------
-    rulebase : RuleBase
-        Of type 1, but for the defuzzifiers.
-    lower_names : dict of (str, str) to str
-        For a variable and a term: the name of its lower end.
-    readings : tuple of tuple of int
-        For each rule of the model the indices of its upper and lower reading; only one where it
-        concludes outputs of type 1 alone.
-    """
-
-    rulebase: RuleBase
-    lower_names: dict[tuple[str, str], str]
+    rulebase: RuleBase  # of type 1, but for the defuzzifiers
+    lower_names: dict[tuple[str, str], str]  # for a variable and a term: the name of its lower end
+    # For each rule of the model the indices of its upper and lower reading; only one where it
+    # concludes outputs of type 1 alone.
     readings: tuple[tuple[int, ...], ...]
 
     def side(self, consequent: Consequent) -> int:
@@ -258,17 +249,10 @@ def middle_value(one: Shape, other: Shape) -> Shape:
 
 
 class Ends(NamedTuple):
-    """A rule base whose outputs are the ends of those of another.
+    """A rule base whose outputs are the ends of those of another."""
 
-    Attributes
-    ----------
-    rulebase : RuleBase
-        With two outputs for each one under Karnik and Mendel's defuzzifier.
-    names : dict of str to (str, str)
-        For each output of the other: its left end and its right end, as outputs.
-    """
-
-    rulebase: RuleBase
+    rulebase: RuleBase  # with two outputs for each one under Karnik and Mendel's defuzzifier
+    # For each output of the other: its left end and its right end, as outputs.
     names: dict[str, tuple[str, str]]
 
 

@@ -108,21 +108,15 @@ from fuzzyarm.symbolic.kernels import call, kernel, short, whole_numbers
 
 
 class KernelForm(NamedTuple):
-    """The composition of a rule base.
+    """The composition of a rule base."""
 
-    Attributes
-    ----------
-    inputs, outputs, operands : int
-        Their numbers; operands of each rule.
-    grid : bool
-        Whether it has the usual form: straight terms, rules ``a and b`` under min, of weight 1,
-        united by max, no expressions in parentheses, and the centroid in closed form. Otherwise the
-        block has the form of each output.
-    """
-
+    # Their numbers; operands of each rule.
     inputs: int
     outputs: int
     operands: int
+    # Whether it has the usual form: straight terms, rules ``a and b`` under min, of weight 1,
+    # united by max, no expressions in parentheses, and the centroid in closed form. Otherwise the
+    # block has the form of each output.
     grid: bool
 
 

@@ -58,21 +58,11 @@ class Overlap(NamedTuple):
 
 
 class ClosedForm(NamedTuple):
-    """The union of clipped sets as polynomials of the heights.
+    """The union of clipped sets as polynomials of the heights."""
 
-    Attributes
-    ----------
-    centre : float
-        Middle of the range; moments are about it.
-    set_layers : tuple of Layers
-        For each set.
-    overlaps : tuple of Overlap
-        Empty where the sets are summed instead of united.
-    """
-
-    centre: float
-    set_layers: tuple[Layers, ...]
-    overlaps: tuple[Overlap, ...]
+    centre: float  # middle of the range; moments are about it
+    set_layers: tuple[Layers, ...]  # for each set
+    overlaps: tuple[Overlap, ...]  # empty where the sets are summed instead of united
 
 
 def closed_form(

@@ -48,75 +48,37 @@ if TYPE_CHECKING:
 
 
 class Member(NamedTuple):
-    """A consequent of an output, one for all the rules that share it.
-
-    Attributes
-    ----------
-    term : Term
-        The term.
-    hedges : tuple of Hedge
-        On the term.
-    implication : str
-        How a firing strength cuts the set.
-    membership : callable
-        The set, hedges included, at one position. Not for values.
-    pieces : tuple of Piece
-        The set over the range of the output; empty for values.
-    value : float or None
-        The representative number of the consequent: the position of a singleton, or the middle of
-        the core under a weighted defuzzifier. None for a function of the inputs, and for integrated
-        sets.
-    formula : Formula or None
-        Of a ``formula`` consequent.
-    """
+    """A consequent of an output, one for all the rules that share it."""
 
     term: Term
-    hedges: tuple[Hedge, ...]
-    implication: str
+    hedges: tuple[Hedge, ...]  # on the term
+    implication: str  # how a firing strength cuts the set
+    # The set, hedges included, at one position. Not for values.
     membership: Callable[[float], float]
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[Piece, ...] = ()  # the set over the range of the output; empty for values
+    # The representative number of the consequent: the position of a singleton, or the middle of the
+    # core under a weighted defuzzifier. None for a function of the inputs, and for integrated sets.
     value: float | None = None
-    formula: Formula | None = None
+    formula: Formula | None = None  # of a ``formula`` consequent
 
 
 class OutputPlan(NamedTuple):
-    """An output with its members and the rules that assert them.
-
-    Attributes
-    ----------
-    output : Output
-        The output.
-    record : DefuzzifierKind
-        The record of its defuzzifier.
-    members : tuple of Member
-        Its distinct consequents.
-    contributions : tuple of (int, int)
-        (index of a member, index of a rule), in the order of the rules.
-    discrete : bool
-        Whether all members are numbers, without sets to integrate.
-    closed : ClosedForm or None
-        Closed form of the exact centroid, if there is one.
-    stretches : tuple of Stretch
-        Stretches where sets may cross, for integration piece by piece.
-    sides : tuple of int
-        The side of each member, ``UPPER`` or
-        ``LOWER`` of :mod:`.firing_intervals`; empty for a set of type 1.
-    pairs : tuple of (int, int)
-        The upper and the lower member of each consequent.
-    enveloped : bool
-        Whether its value is found from the upper envelope of straight sets.
-    """
+    """An output with its members and the rules that assert them."""
 
     output: Output
     record: DefuzzifierKind
-    members: tuple[Member, ...]
+    members: tuple[Member, ...]  # its distinct consequents
+    # (index of a member, index of a rule), in the order of the rules.
     contributions: tuple[tuple[int, int], ...]
-    discrete: bool
-    closed: ClosedForm | None = None
+    discrete: bool  # whether all members are numbers, without sets to integrate
+    closed: ClosedForm | None = None  # closed form of the exact centroid, if there is one
+    # Stretches where sets may cross, for integration piece by piece.
     stretches: tuple[Stretch, ...] = ()
+    # The side of each member, ``UPPER`` or ``LOWER`` of :mod:`.firing_intervals`; empty for a set
+    # of type 1.
     sides: tuple[int, ...] = ()
-    pairs: tuple[tuple[int, int], ...] = ()
-    enveloped: bool = False
+    pairs: tuple[tuple[int, int], ...] = ()  # the upper and the lower member of each consequent
+    enveloped: bool = False  # whether its value is found from the upper envelope of straight sets
 
     @property
     def integrated(self) -> bool:
@@ -145,26 +107,13 @@ class PlannedRule(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """A rule base in order of evaluation.
+    """A rule base in order of evaluation."""
 
-    Attributes
-    ----------
-    rulebase : RuleBase
-        As given; of interval type 2 with both ends of every interval.
-    rules : tuple of PlannedRule
-        In the order of the model.
-    outputs : dict of str to OutputPlan
-        By name, in the order of the model.
-    steps : tuple of int or str
-        An index means a rule, a name the defuzzification of an output.
-    readings : tuple of tuple of int
-        For each rule as given the indices of its upper and lower reading; of type 1 its own.
-    """
-
-    rulebase: RuleBase
-    rules: tuple[PlannedRule, ...]
-    outputs: dict[str, OutputPlan]
-    steps: tuple[int | str, ...]
+    rulebase: RuleBase  # as given; of interval type 2 with both ends of every interval
+    rules: tuple[PlannedRule, ...]  # in the order of the model
+    outputs: dict[str, OutputPlan]  # by name, in the order of the model
+    steps: tuple[int | str, ...]  # an index means a rule, a name the defuzzification of an output
+    # For each rule as given the indices of its upper and lower reading; of type 1 its own.
     readings: tuple[tuple[int, ...], ...] = ()
 
 

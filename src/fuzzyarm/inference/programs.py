@@ -21,26 +21,15 @@ from fuzzyarm.symbolic.kinds import SHAPES
 
 
 class DefuzzifierProgram(NamedTuple):
-    """A defuzzifier of the kernel.
+    """A defuzzifier of the kernel."""
 
-    Attributes
-    ----------
-    where : str
-        Module and name of its function, imported on first use.
-    reads : str
-        Its tables in a layout: a method of
-        :class:`fuzzyarm.inference.output_layout.OutputWriter`.
-    centre : str
-        Centre of its moment: ``zero``, the ``middle`` of the range, or one of its tables
-        (``own``). Empty: it gives the value itself.
-    whole : bool
-        Whether the function takes a block, and loops over its points itself.
-    """
-
-    where: str
+    where: str  # module and name of its function, imported on first use
+    # Its tables in a layout: a method of :class:`fuzzyarm.inference.output_layout.OutputWriter`.
     reads: str
+    # Centre of its moment: ``zero``, the ``middle`` of the range, or one of its tables (``own``).
+    # Empty: it gives the value itself.
     centre: Literal["", "zero", "middle", "own"] = ""
-    whole: bool = False
+    whole: bool = False  # whether the function takes a block, and loops over its points itself
 
     @property
     def function(self) -> Callable[..., Any]:

@@ -327,22 +327,13 @@ def cut_lines(implication: str, strength: Any) -> Forms | None:
 
 
 class Stretch(NamedTuple):
-    """Two members, straight and not both zero, from `start` to `end`.
-
-    Attributes
-    ----------
-    first, second : int
-        The members.
-    start, end : float
-        The stretch.
-    first_start, first_end, second_start, second_end : float
-        Their memberships at its ends.
-    """
+    """Two members, straight and not both zero, from `start` to `end`."""
 
     first: int
     second: int
     start: float
     end: float
+    # Their memberships at its ends.
     first_start: float
     first_end: float
     second_start: float

@@ -34,28 +34,17 @@ if TYPE_CHECKING:
 
 
 class OutputLayout(NamedTuple):
-    """The numbers of one output, for a defuzzifier with given strengths.
+    """The numbers of one output, for a defuzzifier with given strengths."""
 
-    Attributes
-    ----------
-    whole, floats : list
-        Numbers of the defuzzifier. After the head and the output come the groups, without rules.
-    program : DefuzzifierProgram
-        The defuzzifier.
-    groups : tuple of int
-        Indices by group: of its members where strengths are folded, else of its contributions.
-    rows : int
-        Rows of scratch filled by the caller: a strength for each group, unless the program differs.
-    samples : int
-        Half of the work floats after these rows and the work rows.
-    """
-
+    # Numbers of the defuzzifier. After the head and the output come the groups, without rules.
     whole: list[int]
     floats: list[float]
     program: DefuzzifierProgram
+    # Indices by group: of its members where strengths are folded, else of its contributions.
     groups: tuple[int, ...]
+    # Rows of scratch filled by the caller: a strength for each group, unless the program differs.
     rows: int
-    samples: int
+    samples: int  # half of the work floats after these rows and the work rows
 
 
 def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:

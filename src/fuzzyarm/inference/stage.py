@@ -32,21 +32,13 @@ LARGEST = sys.float_info.max
 
 
 class PointFunctions(NamedTuple):
-    """Evaluators of one point.
+    """Evaluators of one point."""
 
-    Attributes
-    ----------
-    at : callable
-        From the inputs by position to a tuple of the outputs.
-    named : callable
-        From a dictionary to a dictionary; None for an extraordinary point: an input that is not a
-        float or int, an output without a value.
-    call : callable
-        From arguments, by position or by name, to a dictionary of the outputs.
-    """
-
-    at: Callable[..., tuple[float, ...]]
+    at: Callable[..., tuple[float, ...]]  # from the inputs by position to a tuple of the outputs
+    # From a dictionary to a dictionary; None for an extraordinary point: an input that is not a
+    # float or int, an output without a value.
     named: Callable[[Any], dict[str, float] | None]
+    # From arguments, by position or by name, to a dictionary of the outputs.
     call: Callable[..., Any]
 
 

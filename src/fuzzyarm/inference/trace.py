@@ -298,17 +298,10 @@ def _fired(output: OutputPlan, strengths: Sequence[float]) -> Fired:
 
 @dataclass(frozen=True, slots=True)
 class NearRule:
-    """A rule that does not fire, with the degrees of its conditions.
-
-    Attributes
-    ----------
-    rule : RuleTrace
-        The rule.
-    propositions : tuple of (str, float)
-        Its propositions in words, each with its degree; those about inputs.
-    """
+    """A rule that does not fire, with the degrees of its conditions."""
 
     rule: RuleTrace
+    # Its propositions in words, each with its degree; those about inputs.
     propositions: tuple[tuple[str, float], ...]
 
 

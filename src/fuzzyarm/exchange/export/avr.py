@@ -34,36 +34,17 @@ _ROOMY = "atmega1284p"
 
 @dataclass(frozen=True)
 class MeasuredStep:
-    """A step to measure, as parts of a C program.
+    """A step to measure, as parts of a C program."""
 
-    Attributes
-    ----------
-    header : str
-        Its includes.
-    declarations : sequence of str
-        Text outside of functions: variables, and the numbers of the calls.
-    start : sequence of str
-        Statements executed once.
-    load : sequence of str
-        Statements that set the numbers of call `k`.
-    call : str
-        The measured statement.
-    count : int
-        How many calls there are.
-    arrays : int
-        Bytes of variables of the program around the library, not part of its cost.
-    self_test : str
-        The function that tests the library.
-    """
-
-    header: str
+    header: str  # its includes
+    # Text outside of functions: variables, and the numbers of the calls.
     declarations: Sequence[str]
-    start: Sequence[str]
-    load: Sequence[str]
-    call: str
-    count: int
-    arrays: int
-    self_test: str
+    start: Sequence[str]  # statements executed once
+    load: Sequence[str]  # statements that set the numbers of call `k`
+    call: str  # the measured statement
+    count: int  # how many calls there are
+    arrays: int  # bytes of variables of the program around the library, not part of its cost
+    self_test: str  # the function that tests the library
 
 
 @json_properties(

@@ -376,33 +376,15 @@ def _stub(version: int, name: str, parameters: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class UnitC:
-    """The parts specific to a unit, as C about an instance ``u``.
+    """The parts specific to a unit, as C about an instance ``u``."""
 
-    Attributes
-    ----------
-    members : tuple of str
-        Declarations of an instance, which is zeroed before it begins.
-    begin : tuple of str
-        Statements for a new instance.
-    refresh : tuple of str
-        Statements before numbers are read.
-    advance : tuple of str
-        Statements that advance to the time ``end``.
-    now : str
-        The time, as an expression.
-    places : tuple of str
-        Members of the struct, by value reference.
-    settable : int
-        So many of them, the first ones, may be set.
-    """
-
-    members: tuple[str, ...]
-    begin: tuple[str, ...]
-    refresh: tuple[str, ...]
-    advance: tuple[str, ...]
-    now: str
-    places: tuple[str, ...]
-    settable: int
+    members: tuple[str, ...]  # declarations of an instance, which is zeroed before it begins
+    begin: tuple[str, ...]  # statements for a new instance
+    refresh: tuple[str, ...]  # statements before numbers are read
+    advance: tuple[str, ...]  # statements that advance to the time ``end``
+    now: str  # the time, as an expression
+    places: tuple[str, ...]  # members of the struct, by value reference
+    settable: int  # so many of them, the first ones, may be set
 
 
 def fmi_source(version: int, token: str, unit: UnitC) -> str:

@@ -42,21 +42,12 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """A machine for which a unit can contain a library.
+    """A machine for which a unit can contain a library."""
 
-    Attributes
-    ----------
-    target : str
-        As the compiler of the ``ziglang`` wheel calls it.
-    folders : dict of int to str
-        Of the library in the archive, by the version of FMI; some are unknown to version 2.
-    suffix : str
-        Of the library.
-    """
-
-    target: str
+    target: str  # as the compiler of the ``ziglang`` wheel calls it
+    # Of the library in the archive, by the version of FMI; some are unknown to version 2.
     folders: dict[int, str]
-    suffix: str
+    suffix: str  # of the library
 
 
 PLATFORMS = {

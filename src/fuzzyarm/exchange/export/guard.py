@@ -51,59 +51,29 @@ Seed = tuple[tuple[int, float], ...]
 
 
 class Known(NamedTuple):
-    """A number of the loop known to the controller: measured, or remembered.
+    """A number of the loop known to the controller: measured, or remembered."""
 
-    Attributes
-    ----------
-    symbol : str
-        Of the variable of its program.
-    label : str
-        In words.
-    rest : float
-        Its rest, of 32 bits, which is subtracted.
-    first : str
-        Of a memory without a value in the first period, the symbol of the condition for that.
-    seed : tuple of (int, float) or None
-        Its deviation, as weights of others; None without one.
-    """
-
-    symbol: str
-    label: str
-    rest: float
+    symbol: str  # of the variable of its program
+    label: str  # in words
+    rest: float  # its rest, of 32 bits, which is subtracted
+    # Of a memory without a value in the first period, the symbol of the condition for that.
     first: str = ""
-    seed: Seed | None = None
+    seed: Seed | None = None  # its deviation, as weights of others; None without one
 
 
 @dataclass(frozen=True, eq=False)
 class RegionGuard:
-    """The test of a state, and the drives after it fails.
+    """The test of a state, and the drives after it fails."""
 
-    Attributes
-    ----------
-    known : tuple of Known
-        The controller's k.
-    unknown : tuple of str
-        States of the loop over which W is the least V; empty if it is V.
-    factor : tuple of tuple of float
-        Rows of L from the diagonal on.
-    limit, delta : float
-        t and δ.
-    set_points : dict of str to float
-        By symbol of a reference, that of the claim.
-    fallback : dict of str to float or None
-        By symbol of a drive; None: its last value.
-    checked : Checked
-        The certificate.
-    """
-
-    known: tuple[Known, ...]
-    unknown: tuple[str, ...]
-    factor: tuple[tuple[float, ...], ...]
+    known: tuple[Known, ...]  # the controller's k
+    unknown: tuple[str, ...]  # states of the loop over which W is the least V; empty if it is V
+    factor: tuple[tuple[float, ...], ...]  # rows of L from the diagonal on
+    # t and δ.
     limit: float
     delta: float
-    set_points: Mapping[str, float]
-    fallback: Mapping[str, float | None]
-    checked: Checked
+    set_points: Mapping[str, float]  # by symbol of a reference, that of the claim
+    fallback: Mapping[str, float | None]  # by symbol of a drive; None: its last value
+    checked: Checked  # the certificate
 
     @property
     def untested(self) -> tuple[str, ...]:

@@ -20,46 +20,26 @@ from fuzzyarm.symbolic.identifiers import identifier
 
 
 class Module(NamedTuple):
-    """A language whose export is one file.
+    """A language whose export is one file."""
 
-    Attributes
-    ----------
-    target : Target
-        Its spellings.
-    comment : str
-        Begins a line of comment.
-    test : str
-        How the self-test is called, in words; a hole for the name of the module.
-    create : str
-        Makes a controller.
-    frame : str
-        The file: ``<name>`` (the stem of its path), ``<identifier>`` (made of that),
-        ``<constants>``, ``<helpers>``, ``<parts>``, ``<more>`` and ``<test>``, which sets
-        ``failed``. Names declared by it are reserved words of its language, but not ``failed``.
-    controller : str
-        A class: ``<fields>``, ``<starts>``, ``<parameters>``, ``<returned>`` and ``<step>``.
-    own : str
-        The first parameter of the step.
-    field, start : str
-        The declaration of a member, and its initial assignment.
-    arrays : tuple of str
-        The value of an array of zeros, of equal elements, of those of a constant, with holes
-        ``count``, ``value``, ``name`` (of the constant), ``type``, ``letter`` and ``bytes``.
-    more : callable, optional
-        From a printer to further lines.
-    """
-
-    target: Target
-    comment: str
-    test: str
-    create: str
+    target: Target  # its spellings
+    comment: str  # begins a line of comment
+    test: str  # how the self-test is called, in words; a hole for the name of the module
+    create: str  # makes a controller
+    # The file: ``<name>`` (the stem of its path), ``<identifier>`` (made of that), ``<constants>``,
+    # ``<helpers>``, ``<parts>``, ``<more>`` and ``<test>``, which sets ``failed``. Names declared
+    # by it are reserved words of its language, but not ``failed``.
     frame: str
+    # A class: ``<fields>``, ``<starts>``, ``<parameters>``, ``<returned>`` and ``<step>``.
     controller: str
-    own: str
+    own: str  # the first parameter of the step
+    # The declaration of a member, and its initial assignment.
     field: str
     start: str
+    # The value of an array of zeros, of equal elements, of those of a constant, with holes
+    # ``count``, ``value``, ``name`` (of the constant), ``type``, ``letter`` and ``bytes``.
     arrays: tuple[str, str, str]
-    more: Callable[[Printer], list[str]] | None = None
+    more: Callable[[Printer], list[str]] | None = None  # from a printer to further lines
 
 
 def module_of(printer: Printer, module: Module, name: str = "module") -> str:

@@ -56,92 +56,37 @@ from fuzzyarm.symbolic.printing import Assign, Choose, Language
 
 @dataclass(frozen=True)
 class Target:
-    """The spellings of a language.
+    """The spellings of a language."""
 
-    Attributes
-    ----------
-    language : Language
-        How it writes expressions, assignments and choices.
-    names : str
-        Key of the reserved words in `fuzzyarm.symbolic.identifiers.RESERVED`.
-    operation : callable
-        From a printer, an operation and the kind of its floats to its text with holes; it may add
-        helpers.
-    number : callable
-        From a printer, a float and its kind to its text.
-    marks : mapping of kind to str
-        Suffix of a literal of a whole number of a kind.
-    truths : tuple of str
-        False and true.
-    types : mapping of kind to str
-        Empty in a language without declarations.
-    cast : callable
-        From a text and two kinds to the text of a conversion.
-    cast_binds : int
-        Required precedence of the text: 9 for a conversion by a prefix operator.
-    element, argument, array_argument : str
-        An element of an array; an array as argument; the type of an array parameter.
-    member : str
-        A variable of the state.
-    quotient : str
-        The quotient of two whole numbers, which binds like a product.
-    again : str
-        Declares a variable that is assigned again later.
-    when, otherwise, repeat, loop, end : str
-        The lines of compound statements.
-    function : tuple of str
-        The line before the body, and the one after.
-    parameter, late : str
-        With holes ``name`` and ``type``; that of the end of a set point, if it differs.
-    array : callable
-        From a printer, a name and an array to its definition.
-    helpers : tuple of str
-        Names of helpers that `operation` adds.
-    public, hidden : str
-        Prefixes of public and of private functions.
-    several, several_type, array_type : str
-        Several results, their type (of all kinds, or of the first), and that of an array of the
-        state.
-    unused : str
-        The statement that marks a parameter as unused, if a compiler needs one.
-    refused : re.Pattern, optional
-        Names that are macros in the including file.
-    scratch, lent, written : str
-        The declaration of an array of floats; its spelling as argument; the type of such a
-        parameter.
-    count : str
-        The head of a loop over whole numbers; empty for a language with conditional loops only.
-    left, stop : str
-        The statements that return from anywhere, and that leave a loop.
-    run : str
-        The statement that calls a procedure.
-    flawed_floats : bool
-        Whether a port of the language may compute in floats of 32 bits.
-    checked : tuple of str
-        For a language without types: the statement that refuses a non-numeric argument, with a hole
-        for its name, and the definition that it calls.
-    """
-
-    language: Language
-    names: str
+    language: Language  # how it writes expressions, assignments and choices
+    names: str  # key of the reserved words in `fuzzyarm.symbolic.identifiers.RESERVED`
+    # From a printer, an operation and the kind of its floats to its text with holes; it may add
+    # helpers.
     operation: Callable[[Printer, Operation, Kind], str]
+    # From a printer, a float and its kind to its text.
     number: Callable[[Printer, float, Kind], str]
-    cast: Callable[[str, Kind, Kind], str]
+    cast: Callable[[str, Kind, Kind], str]  # from a text and two kinds to the text of a conversion
+    # From a printer, a name and an array to its definition.
     array: Callable[[Printer, str, Kind, Sequence[float], int], str]
-    member: str
-    again: str
-    function: tuple[str, str]
+    member: str  # a variable of the state
+    again: str  # declares a variable that is assigned again later
+    function: tuple[str, str]  # the line before the body, and the one after
+    # Empty in a language without declarations.
     types: Mapping[Kind, str] = field(default_factory=dict)
-    truths: tuple[str, str] = ("false", "true")
+    truths: tuple[str, str] = ("false", "true")  # false and true
+    # With holes ``name`` and ``type``; that of the end of a set point, if it differs.
     parameter: str = "{name}"
     late: str = ""
     array_argument: str = ""
     argument: str = "{}"
+    # An element of an array; an array as argument; the type of an array parameter.
     element: str = "{0}[{1}]"
+    # Suffix of a literal of a whole number of a kind.
     marks: Mapping[Kind, str] = field(default_factory=dict)
-    cast_binds: int = 0
-    quotient: str = "{} / {}"
+    cast_binds: int = 0  # required precedence of the text: 9 for a conversion by a prefix operator
+    quotient: str = "{} / {}"  # the quotient of two whole numbers, which binds like a product
     view: str = ""
+    # The lines of compound statements.
     when: str = "if ({}) {{"
     otherwise: str = "}} else {{"
     repeat: str = "for ({index} = 0; {index} < {count}; {index}++) {{"
@@ -152,44 +97,43 @@ class Target:
     remark: str = "// {}"
     returned: str = "return {};"
     private: str = "{}"
+    # Prefixes of public and of private functions.
     public: str = ""
     hidden: str = ""
-    unused: str = ""
-    refused: re.Pattern[str] | None = None
+    unused: str = ""  # the statement that marks a parameter as unused, if a compiler needs one
+    refused: re.Pattern[str] | None = None  # names that are macros in the including file
+    # Several results, their type (of all kinds, or of the first), and that of an array of the
+    # state.
     several: str = "[{}]"
     several_type: str = ""
     array_type: str = ""
     part: str = "{}[{}]"
     whole_tuple: str = "const {name} = {value};"
-    helpers: tuple[str, ...] = ()
-    flawed_floats: bool = False
+    helpers: tuple[str, ...] = ()  # names of helpers that `operation` adds
+    flawed_floats: bool = False  # whether a port of the language may compute in floats of 32 bits
+    # The declaration of an array of floats; its spelling as argument; the type of such a parameter.
     scratch: str = ""
     lent: str = "{}"
     written: str = ""
+    # The head of a loop over whole numbers; empty for a language with conditional loops only.
     count: str = ""
+    # The statements that return from anywhere, and that leave a loop.
     left: str = "return{};"
     stop: str = "break;"
-    run: str = "{};"
+    run: str = "{};"  # the statement that calls a procedure
+    # For a language without types: the statement that refuses a non-numeric argument, with a hole
+    # for its name, and the definition that it calls.
     checked: tuple[str, str] = ("", "")
 
 
 @dataclass
 class Printer:
-    """The parts of a program as text.
-
-    Attributes
-    ----------
-    program : Program
-        The program.
-    target : Target
-        The language.
-    constants, helpers, functions : list of str
-        Definitions, in order.
-    """
+    """The parts of a program as text."""
 
     program: Program
     target: Target
     taken: Iterable[str] = ()
+    # Definitions, in order.
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
     functions: list[str] = field(default_factory=list)

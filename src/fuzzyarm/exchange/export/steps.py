@@ -52,30 +52,14 @@ def limited_value() -> Node:
 
 
 class StepVariable(NamedTuple):
-    """A number of the controller that persists from step to step, or a port.
+    """A number of the controller that persists from step to step, or a port."""
 
-    Attributes
-    ----------
-    sort : str
-        ``reference``, ``measured``, ``drive``, ``signal``, ``state`` or ``gain``.
-    axis : str
-        Empty of a gain for all axes.
-    name : str
-        Name in the text; of a state, the name of its origin.
-    start : float
-        Before the first step.
-    wide : bool
-        Whether it is stored as computed, not rounded to the type of signals.
-    number : int
-        Of a gain with a value for each axis, the number of the axis; else -1.
-    """
-
-    sort: str
-    axis: str
-    name: str
-    start: float = 0.0
-    wide: bool = False
-    number: int = -1
+    sort: str  # ``reference``, ``measured``, ``drive``, ``signal``, ``state`` or ``gain``
+    axis: str  # empty of a gain for all axes
+    name: str  # name in the text; of a state, the name of its origin
+    start: float = 0.0  # before the first step
+    wide: bool = False  # whether it is stored as computed, not rounded to the type of signals
+    number: int = -1  # of a gain with a value for each axis, the number of the axis; else -1
 
     @property
     def symbol(self) -> str:
@@ -86,22 +70,13 @@ class StepVariable(NamedTuple):
 
 @dataclass(frozen=True)
 class LearningTable:
-    """A learning table, with the visits of its cells beside it in memory.
+    """A learning table, with the visits of its cells beside it in memory."""
 
-    Attributes
-    ----------
-    axis, name : str
-        Of the text.
-    values : tuple of float
-        Before the first step.
-    delay : int
-        Cells remembered in its ring.
-    """
-
+    # Of the text.
     axis: str
     name: str
-    values: tuple[float, ...]
-    delay: int
+    values: tuple[float, ...]  # before the first step
+    delay: int  # cells remembered in its ring
 
 
 Grid = tuple[tuple[str, tuple[float, ...]], ...]
@@ -169,29 +144,17 @@ def _reads(step: Step) -> Iterator[str]:
 
 
 class Guard(NamedTuple):
-    """The frame of the steps of an axis.
+    """The frame of the steps of an axis."""
 
-    Attributes
-    ----------
-    axis : str
-        Whose steps they are.
-    reads : tuple of str
-        Symbols of its ports; NaN in one of them skips the steps.
-    drives : dict of str to float or None
-        By the symbol of each drive, its value in a skipped period; None: its last value.
-    numbers, finite : tuple of str
-        Symbols that must not be NaN, or must be finite, at the end of the steps: else the steps are
-        undone.
-    every : int
-        The periods from one run of the steps to the next.
-    """
-
-    axis: str
-    reads: tuple[str, ...]
+    axis: str  # whose steps they are
+    reads: tuple[str, ...]  # symbols of its ports; NaN in one of them skips the steps
+    # By the symbol of each drive, its value in a skipped period; None: its last value.
     drives: Mapping[str, float | None]
+    # Symbols that must not be NaN, or must be finite, at the end of the steps: else the steps are
+    # undone.
     numbers: tuple[str, ...]
     finite: tuple[str, ...]
-    every: int = 1
+    every: int = 1  # the periods from one run of the steps to the next
 
     @property
     def condition(self) -> Node | None:
@@ -229,56 +192,30 @@ class Block(NamedTuple):
 
 @dataclass
 class Steps:
-    """A controller as an exported program.
+    """A controller as an exported program."""
 
-    Attributes
-    ----------
-    model : ControllerModel
-        The model of the text.
-    precision : Precision
-        Types of signals, of gains and of the arithmetic; `wide` is that of the arithmetic.
-    variables : dict of str to StepVariable
-        By symbol, in the order of the cells.
-    steps : list of Step
-        Of one period.
-    routines : dict of str to Routine
-        Rule bases and tables that stay as they are, by the name of their function.
-    sheets : dict
-        By the same names, a rule base and its output, or a table.
-    scales : dict
-        Of routines in whole numbers, those of their inputs and of the result.
-    grids : dict of str to Grid
-        By the name of the function that finds a cell of a table in memory.
-    grid_tables : dict of str to LookupTable
-        By the same names, a table on that grid.
-    learned : dict of str to LearningTable
-        Tables that learn.
-    judges : dict of str to LookupTable
-        Performance tables.
-    needs_last : bool
-        Whether it matters when a set point ends.
-    needs_first : dict of str to None
-        Axes for which it matters which period is the first one.
-    kept : dict of str to None
-        Symbols of drives with a stored value: read later, or held between two runs.
-    blocks : list of Block
-        One for each axis.
-    """
-
-    model: ControllerModel
+    model: ControllerModel  # the model of the text
+    # Types of signals, of gains and of the arithmetic; `wide` is that of the arithmetic.
     precision: Precision
+    # By symbol, in the order of the cells.
     variables: dict[str, StepVariable] = field(default_factory=dict)
-    steps: list[Step] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)  # of one period
+    # Rule bases and tables that stay as they are, by the name of their function.
     routines: dict[str, Routine] = field(default_factory=dict)
+    # By the same names, a rule base and its output, or a table.
     sheets: dict[str, tuple[RuleBase, str] | LookupTable] = field(default_factory=dict)
+    # By the name of the function that finds a cell of a table in memory.
     grids: dict[str, Grid] = field(default_factory=dict)
+    # By the same names, a table on that grid.
     grid_tables: dict[str, LookupTable] = field(default_factory=dict)
-    learned: dict[str, LearningTable] = field(default_factory=dict)
-    judges: dict[str, LookupTable] = field(default_factory=dict)
-    needs_last: bool = False
+    learned: dict[str, LearningTable] = field(default_factory=dict)  # tables that learn
+    judges: dict[str, LookupTable] = field(default_factory=dict)  # performance tables
+    needs_last: bool = False  # whether it matters when a set point ends
+    # Axes for which it matters which period is the first one.
     needs_first: dict[str, None] = field(default_factory=dict)
+    # Symbols of drives with a stored value: read later, or held between two runs.
     kept: dict[str, None] = field(default_factory=dict)
-    blocks: list[Block] = field(default_factory=list)
+    blocks: list[Block] = field(default_factory=list)  # one for each axis
 
     def uses(self) -> Counter[str]:
         """Count the reads of each symbol."""

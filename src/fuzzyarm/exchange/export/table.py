@@ -41,29 +41,16 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class NumberTable:
-    """A table in the numbers of a machine, looked up by their arithmetic.
-
-    Attributes
-    ----------
-    table : LookupTable
-        The table in double precision.
-    mode : str
-        ``bins``, ``nearest`` or ``linear``.
-    points : tuple of ndarray
-        For each axis the thresholds between the cells, rounded down so that a comparison
-        decides as one in double precision does; with ``linear`` the levels.
-    values : ndarray
-        Flat, the last axis fastest.
-    precision : Precision
-        The types of numbers.
-    """
+    """A table in the numbers of a machine, looked up by their arithmetic."""
 
     arithmetic: ClassVar[LookupArithmetic] = OVER_ARRAYS
-    table: LookupTable
-    mode: str
+    table: LookupTable  # the table in double precision
+    mode: str  # ``bins``, ``nearest`` or ``linear``
+    # For each axis the thresholds between the cells, rounded down so that a comparison decides as
+    # one in double precision does; with ``linear`` the levels.
     points: tuple[NDArray[Any], ...]
-    values: NDArray[Any]
-    precision: Precision
+    values: NDArray[Any]  # flat, the last axis fastest
+    precision: Precision  # the types of numbers
 
     @property
     def linear(self) -> bool:

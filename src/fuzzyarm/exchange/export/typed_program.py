@@ -256,166 +256,84 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Array:
-    """Constants.
+    """Constants."""
 
-    Attributes
-    ----------
-    stem : str
-        Of its name.
-    kind : type
-        Of its elements.
-    values : tuple of float
-        In order.
-    columns : int
-        Elements to a line, where that matters.
-    """
-
-    stem: str
-    kind: Kind
-    values: tuple[float, ...]
-    columns: int = 0
+    stem: str  # of its name
+    kind: Kind  # of its elements
+    values: tuple[float, ...]  # in order
+    columns: int = 0  # elements to a line, where that matters
 
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A variable of the state.
+    """A variable of the state."""
 
-    Attributes
-    ----------
-    stem, name : str
-        Of its name, with its axis if there are several, and without.
-    kind : type
-        Of it, or of its elements.
-    start : float or tuple of float
-        Its value before the first period; of an array those of all elements.
-    axis : str
-        Its axis; empty if shared by all axes.
-    remark : str
-        Its unit or purpose.
-    role : str
-        ``gain``, ``signal``, ``state``, ``table`` (which learns) or ``held``.
-    """
-
+    # Of its name, with its axis if there are several, and without.
     stem: str
-    kind: Kind
+    kind: Kind  # of it, or of its elements
+    # Its value before the first period; of an array those of all elements.
     start: float | tuple[float, ...]
-    axis: str = ""
-    remark: str = ""
-    role: str = "state"
+    axis: str = ""  # its axis; empty if shared by all axes
+    remark: str = ""  # its unit or purpose
+    role: str = "state"  # ``gain``, ``signal``, ``state``, ``table`` (which learns) or ``held``
     name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Function:
-    """A function.
+    """A function."""
 
-    Attributes
-    ----------
-    stem : str
-        Of its name.
-    parameters : mapping of str to Variable
-        By their symbols, in order.
-    returned : type
-        Kind of its result.
-    body : sequence of statement
-        The last one is `Return`.
-    variables : mapping of str to Variable
-        Local variables, by symbol; others have their symbol as the stem and `real` as the kind.
-    real : type
-        Kind of the arithmetic.
-    public : bool
-        Whether it is called from outside.
-    remark : str
-        Its result.
-    result : str
-        Stem of the name of its result, if that is a variable.
-    may_be_silent : bool
-        Whether it is a rule base, which returns NaN if no rule fires.
-    of_kernel : bool
-        Whether it comes from a kernel: its last statement is `Leave`, or none.
-    """
-
-    stem: str
-    parameters: Mapping[str, Variable]
-    returned: Kind
-    body: Sequence[Line]
+    stem: str  # of its name
+    parameters: Mapping[str, Variable]  # by their symbols, in order
+    returned: Kind  # kind of its result
+    body: Sequence[Line]  # the last one is `Return`
+    # Local variables, by symbol; others have their symbol as the stem and `real` as the kind.
     variables: Mapping[str, Variable] = field(default_factory=dict)
-    real: Kind = REAL
-    public: bool = False
-    remark: str = ""
-    result: str = ""
-    may_be_silent: bool = False
+    real: Kind = REAL  # kind of the arithmetic
+    public: bool = False  # whether it is called from outside
+    remark: str = ""  # its result
+    result: str = ""  # stem of the name of its result, if that is a variable
+    may_be_silent: bool = False  # whether it is a rule base, which returns NaN if no rule fires
+    # Whether it comes from a kernel: its last statement is `Leave`, or none.
     of_kernel: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class SelfTest:
-    """Rows of inputs and expected results.
+    """Rows of inputs and expected results."""
 
-    Attributes
-    ----------
-    function : str
-        Key of the function; empty for the step.
-    rows : sequence of tuple of float
-        Inputs, then results.
-    inputs : int
-        How many of a row are inputs.
-    tolerance : float
-        The largest difference of a result.
-    loose : float
-        The same for a port in floats of 32 bits.
-    late : bool
-        Whether a step has a last argument for the end of a set point, which is false.
-    guarded : bool
-        Whether it is of the guarded step.
-    """
-
-    function: str
+    function: str  # key of the function; empty for the step
     kind: Kind
-    rows: Sequence[tuple[float, ...]]
-    inputs: int
-    tolerance: float
-    loose: float
+    rows: Sequence[tuple[float, ...]]  # inputs, then results
+    inputs: int  # how many of a row are inputs
+    tolerance: float  # the largest difference of a result
+    loose: float  # the same for a port in floats of 32 bits
+    # Whether a step has a last argument for the end of a set point, which is false.
     late: bool = False
-    guarded: bool = False
+    guarded: bool = False  # whether it is of the guarded step
 
 
 @dataclass
 class Program:
-    """An exported program.
+    """An exported program."""
 
-    Attributes
-    ----------
-    arrays, functions, state : dict
-        By key, in order of definition: callees come before callers.
-    step : Function or None
-        Of a controller: its parameters are the ports; it returns the drives.
-    guard : Function or None
-        Of a guarded one: the test of its state, before the step.
-    drives : dict of str to Variable
-        For a controller, by symbol: the result of a step.
-    tests : list of SelfTest
-        Its self-test.
-    inputs, outputs : list of dict
-        Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
-    pointers : bool
-        Whether it is for a language with pointers: parts of arrays are passed, and a step
-        finds the end of a set point in its state.
-    endless : bool
-        Whether it is for a language with infinite numbers.
-    """
-
+    # By key, in order of definition: callees come before callers.
     arrays: dict[str, Array] = field(default_factory=dict)
     functions: dict[str, Function] = field(default_factory=dict)
     state: dict[str, Member] = field(default_factory=dict)
+    # Of a controller: its parameters are the ports; it returns the drives.
     step: Function | None = None
-    guard: Function | None = None
+    guard: Function | None = None  # of a guarded one: the test of its state, before the step
+    # For a controller, by symbol: the result of a step.
     drives: dict[str, Variable] = field(default_factory=dict)
-    tests: list[SelfTest] = field(default_factory=list)
+    tests: list[SelfTest] = field(default_factory=list)  # its self-test
+    # Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
     inputs: list[dict[str, Any]] = field(default_factory=list)
     outputs: list[dict[str, Any]] = field(default_factory=list)
+    # Whether it is for a language with pointers: parts of arrays are passed, and a step finds the
+    # end of a set point in its state.
     pointers: bool = False
-    endless: bool = True
+    endless: bool = True  # whether it is for a language with infinite numbers
 
     def array(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
         """Return the key of an array of constants; equal ones are one."""

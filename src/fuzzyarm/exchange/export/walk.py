@@ -99,25 +99,15 @@ class Listed:
 
 @dataclass(frozen=True, eq=False)
 class DefuzzifierWalk:
-    """The two numbers from a defuzzifier and the strengths of an output.
+    """The two numbers from a defuzzifier and the strengths of an output."""
 
-    Attributes
-    ----------
-    total, value : str
-        Names of the two: a number above 0 if a rule fires, and the value (or the moment). The
-        program reads them as symbols.
-    plan : Plan
-        Of the whole rule base.
-    output : str
-        The output.
-    parts : tuple of Node
-        The rows of the scratch array, in order: strengths, and values, if any.
-    """
-
+    # Names of the two: a number above 0 if a rule fires, and the value (or the moment). The program
+    # reads them as symbols.
     total: str
     value: str
-    plan: Plan
+    plan: Plan  # of the whole rule base
     output: str
+    # The rows of the scratch array, in order: strengths, and values, if any.
     parts: tuple[Node, ...]
 
     @cached_property

@@ -86,18 +86,10 @@ MOST_LEARNED = 0xFFFF
 
 
 class RoutineOptions(NamedTuple):
-    """Options for the export of rule bases and tables.
+    """Options for the export of rule bases and tables."""
 
-    Attributes
-    ----------
-    q : int or None
-        Tables in whole numbers of so many bits; else in the type of the signals.
-    widened : bool
-        Whether rule bases that need double precision compute in it internally.
-    """
-
-    q: int | None = None
-    widened: bool = False
+    q: int | None = None  # tables in whole numbers of so many bits; else in the type of the signals
+    widened: bool = False  # whether rule bases that need double precision compute in it internally
 
 
 def steps_of(

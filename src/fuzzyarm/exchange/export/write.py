@@ -46,20 +46,11 @@ _Texts = tuple[tuple[Path, str | bytes], ...]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Files:
-    """Files of an export, not yet written.
+    """Files of an export, not yet written."""
 
-    Attributes
-    ----------
-    path : Path
-        The requested one; others go beside it.
-    files : tuple of (Path, str or bytes)
-        Paths and contents.
-    calls : tuple of str
-        Calls of the routines: a C prototype, the name of a function block, or its variables.
-    """
-
-    path: Path
-    files: _Texts
+    path: Path  # the requested one; others go beside it
+    files: _Texts  # paths and contents
+    # Calls of the routines: a C prototype, the name of a function block, or its variables.
     calls: tuple[str, ...]
 
     @property
