@@ -440,3 +440,64 @@ def test_ends_of_centroids_between_four_curves(seed: int) -> None:
         if not np.isnan(left):
             assert left_0 - 1e-9 <= left <= left_1 + 1e-9
             assert right_0 - 1e-9 <= right <= right_1 + 1e-9
+
+
+NEXT_TO = """rulebase sliver
+input  e 0 .. 1
+output w 0 .. 1
+term e DOWN: trapezoid -1 -1 0 1
+term e UP: trapezoid 0 1 1 2
+term e LATE: trapezoid {late!r} {end!r} 2 3
+term e ALL: trapezoid -2 -2 3 3
+term w O: singleton 0
+term w P: singleton 1
+inference defuzzifier weighted-average, aggregation sum
+rule if e is DOWN and e is UP then w is P
+rule if e is LATE then w is P
+rule if e is ALL then w is O
+"""
+"""With s = min(1 - e, e) + LATE, w = s / (s + 1): it falls between one half, where the minimum
+changes, and `late`, where LATE begins; elsewhere it rises."""
+
+
+@pytest.mark.parametrize("late", [math.nextafter(0.5, 1.0), 0.5 + 2.0**-52, 0.5 + 2.0**-50])
+def test_a_sliver_between_two_corners_counts(late: float) -> None:
+    """Heights that floats take for equal at a corner cross beside it, where a slope is another."""
+    model = parse(NEXT_TO.format(late=late, end=late + 0.5)).rulebase
+    assert model is not None
+
+    def value(e: Fraction) -> Fraction:
+        total = min(1 - e, e) + max(Fraction(0), (e - Fraction(late)) / Fraction(0.5))
+        return total / (total + 1)
+
+    assert value(Fraction(late)) < value(Fraction(1, 2))
+    assert prove(model, "w rises with e").verdict != "proved"
+    secant = (value(Fraction(late)) - value(Fraction(1, 2))) / (Fraction(late) - Fraction(1, 2))
+    bounds = Prover(model, "w").slope({}, "e")
+    assert bounds.low <= secant <= bounds.high
+
+
+def test_slopes_of_a_thin_cell_are_those_of_its_corners() -> None:
+    """Both ends of a membership in a cell of a few floats are rounded; their difference is not."""
+    low, high = 0.3, 0.1 + 0.2
+    text = f"""rulebase thin
+input  e 0 .. 1
+output w 0 .. 1
+term e UP: trapezoid -0.5 1.1 2 3
+term e LATE: trapezoid {high!r} 0.7 2 3
+term e ALL: trapezoid -2 -2 3 3
+term w O: singleton 0
+term w P: singleton 1
+inference defuzzifier weighted-average, aggregation sum
+rule if e is UP then w is P
+rule if e is LATE then w is P
+rule if e is ALL then w is O
+"""
+    model = parse(text).rulebase
+    assert model is not None
+    bounds = Prover(model, "w").slope({"e": (low, high)}, "e")
+    steep = 1 / (Fraction(1.1) + Fraction(0.5))
+    at = [steep * (Fraction(x) + Fraction(0.5)) for x in (low, high)]
+    assert bounds.low <= steep / (1 + at[1]) ** 2
+    assert steep / (1 + at[0]) ** 2 <= bounds.high
+    assert bounds.high - bounds.low < 1e-6

@@ -7,6 +7,7 @@ objects in a NumPy array, those of ``python-flint``, about five times as fast as
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
@@ -69,6 +70,14 @@ def as_fraction(number: Any) -> Fraction:
     if hasattr(number, "p") and hasattr(number, "q"):
         return Fraction(int(number.p), int(number.q))
     return Fraction(number)
+
+
+def nearest_float(number: Any) -> float:
+    """Return the nearest float; infinity where there is none as large."""
+    try:
+        return float(number)
+    except OverflowError:  # of rationals
+        return math.inf if number > 0 else -math.inf
 
 
 # ── short rows ───────────────────────────────────────────────────────────────────────

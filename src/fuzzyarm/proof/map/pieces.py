@@ -59,6 +59,11 @@ SAME = 4e-15
 """Largest difference of two heights (0 to 1) that floats take for equal."""
 
 
+COARSE = 2**20
+"""Floats are exact on heights and shares that are whole multiples of 1 / COARSE: minimum, maximum,
+differences, and where an edge is cut."""
+
+
 class TooManyPiecesError(FuzzyarmError, ValueError):
     """A rule base has too many pieces."""
 
@@ -124,6 +129,10 @@ class PieceGrid:
     opened : list of ndarray of bool, shape (cells, 2)
         For each input, whether its cells exclude their left and right ends: a membership has
         another value there.
+    rises : list of Array
+        For each proposition: by how much its membership rises within each cell of its input.
+    coarse : list of ndarray of bool
+        For each input, the cells in which floats are exact, see :data:`COARSE`.
     """
 
     def __init__(self, model: Straight, region: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
@@ -151,6 +160,22 @@ class PieceGrid:
             self.jumps.append(bool(opened.any()))
             self.opened.append(opened)
         self.ends = [(arithmetic.array(a), arithmetic.array(b)) for a, b in exact]
+        # Of a thin cell the difference of both rounded ends would be nothing but rounding.
+        self.rises = [
+            arithmetic.array([right - left for left, right in zip(*ends, strict=True)])
+            for ends in exact
+        ]
+        self.coarse = self._coarse_cells(exact)
+
+    def _coarse_cells(self, exact: list[tuple[list[Fraction], list[Fraction]]]) -> list[Array]:
+        """Tell, for each input, the cells of which all ends are on the coarse grid of heights."""
+        coarse = [np.ones(len(cells), dtype=bool) for cells in self.cells]
+        if self.arithmetic.exact:
+            return coarse
+        for i, ends in zip(self.inputs, exact, strict=True):
+            for heights in ends:
+                coarse[i] &= np.array([(x * COARSE).denominator == 1 for x in heights], dtype=bool)
+        return coarse
 
     def _cells_of(
         self,
@@ -261,7 +286,8 @@ class Pieces:
     slopes : ndarray, shape (pieces, inputs, columns)
         Of the heights, by cell coordinates.
     doubtful : ndarray of bool
-        Pieces on which floats could not order two heights with different slopes.
+        Pieces on which, or on a sliver of which, floats could not order two heights with
+        different slopes.
     count : int
         Number of pieces.
     """
@@ -296,6 +322,13 @@ class Pieces:
         self._heights = arithmetic.zeros(self.count, dimension + 1, columns)
         self._slopes = arithmetic.zeros(self.count, dimension, columns)
         self._doubtful = np.zeros(self.count, dtype=bool)
+        self._zeros = np.zeros((self.count, dimension + 1), dtype=np.int64)
+        coarse = [x[self.cell[:, i]] for i, x in enumerate(self.grid.coarse)]
+        self._coarse = np.logical_and.reduce(coarse) & all(
+            (rule.weight * COARSE).denominator == 1
+            for system in self.systems
+            for rule in system.model.rules
+        )
 
     @property
     def cell(self) -> Array:
@@ -332,7 +365,8 @@ class Pieces:
         if count <= room:
             return
         more = min(max(count, 2 * room), self.most) - room
-        for name in ("_cell", "_corners", "_heights", "_slopes", "_doubtful"):
+        names = ("_cell", "_corners", "_heights", "_slopes", "_doubtful", "_zeros", "_coarse")
+        for name in names:
             array = getattr(self, name)
             grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
             grown[:room] = array
@@ -465,7 +499,7 @@ class Pieces:
             cells = self.cell[which, axis]
             left, right = (end[cells] for end in self.grid.ends[number])
             slopes = self.arithmetic.zeros(len(which), dimension)
-            slopes[:, axis] = right - left
+            slopes[:, axis] = self.grid.rises[number][cells]
             share = self.corners[which, :, axis]
             return _Affine(left[:, None] + (right - left)[:, None] * share, slopes)
         if node.kind == "one":
@@ -509,13 +543,15 @@ class Pieces:
         slopes = np.where(takes_first[:, None], first.slopes, second.slopes)
         if not self.arithmetic.exact:
             unclear = greatest_of_rows(np.abs(gap)) <= 4 * SAME
-            differ = greatest_of_rows(np.abs(first.slopes - second.slopes)) > 1e-9
+            # In shares of the cell: those of a thin cell are all small.
+            steepest = np.maximum(np.abs(first.slopes), np.abs(second.slopes))
+            differ = any_of_rows(np.abs(first.slopes - second.slopes) > 1e-9 * steepest)
             self.doubtful[which[unclear & differ]] = True
         return _Affine(values, slopes)
 
     def _cut_at_layers(self, form: ClosedForm, first: int) -> None:
         """Cut where a height passes a level at which the aggregate changes form."""
-        number = self.arithmetic.number
+        number = self._level
 
         def column(index: int, which: Array) -> Array:
             return self.heights[which, :, first + index]
@@ -546,6 +582,13 @@ class Pieces:
 
             self._refine(which, against)
 
+    def _level(self, level: Fraction) -> Any:
+        """Return a level; of one that is no float the next one, so that no height is just there."""
+        number = self.arithmetic.number(level)
+        if self.arithmetic.exact or Fraction(number) == level:
+            return number
+        return math.nextafter(number, 0.0)
+
     # ── cutting ──────────────────────────────────────────────────────────────────────
 
     def form_at(self, weights: Sequence[Fraction], which: Array, shares: Array) -> Array:
@@ -572,22 +615,47 @@ class Pieces:
     def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
         """Cut pieces until no difference has both signs on one; return all pieces."""
         parts: list[Array] = []
+        self._zeros[: self.count] = 0
         while which.size:
             self.stop.check(self.count)
             # The first mixed difference is cut first: later ones are affine only once it is
             # decided.
             differences = undecided_on(which)
+            if not self.arithmetic.exact:
+                differences = [self._cleared(x, which, k) for k, x in enumerate(differences)]
             cuts = np.full(len(which), -1)
             for number, gap in enumerate(differences):
                 cuts = np.where((cuts < 0) & self._is_mixed(gap), number, cuts)
             parts.append(which[cuts < 0])
+            if not self.arithmetic.exact:
+                self._note_slivers(which, differences, cuts < 0)
             following = [
-                self._split(which[selection], differences[number][selection])
+                self._split(which[selection], differences[number][selection], number)
                 for number in range(len(differences))
                 if (selection := np.flatnonzero(cuts == number)).size
             ]
             which = np.concatenate(following) if following else np.zeros(0, dtype=int)
         return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
+
+    def _cleared(self, gap: Array, which: Array, number: int) -> Array:
+        """Return a difference without the rounding at vertices that were cut where it is 0."""
+        return np.where(self._zeros[which] & _bit(number), 0.0, gap)
+
+    def _note_slivers(self, which: Array, differences: Sequence[Array], decided: Array) -> None:
+        """Note decided pieces that may have a sliver in which a difference has its other sign.
+
+        Its sign at a vertex is unknown if it is next to 0 there, unless the vertex was cut where it
+        is 0, or floats are exact there.
+        """
+        doubtful = np.zeros(len(which), dtype=bool)
+        shares = self.corners[which] * COARSE
+        exact = (shares == np.rint(shares)).all(axis=2) & self._coarse[which][:, None]
+        for number, gap in enumerate(differences):
+            near = np.abs(gap) <= SAME
+            unknown = near & ~(exact & (gap == 0.0)) & ((self._zeros[which] & _bit(number)) == 0)
+            # Where it is next to 0 at all vertices, `_chosen` looks at both slopes.
+            doubtful |= any_of_rows(unknown) & ~near.all(axis=1)
+        self.doubtful[which[doubtful & decided]] = True
 
     def _is_mixed(self, gap: Array) -> Array:
         low, high = least_of_rows(gap), greatest_of_rows(gap)
@@ -595,7 +663,7 @@ class Pieces:
             return np.asarray((low < 0) & (high > 0))
         return np.asarray((low < -SAME) & (high > SAME))
 
-    def _split(self, which: Array, gap: Array) -> Array:
+    def _split(self, which: Array, gap: Array, number: int) -> Array:
         """Cut each piece in two where a difference is 0 on one of its edges."""
         rows = np.arange(len(which))
         above, below = gap.argmax(axis=1), gap.argmin(axis=1)
@@ -610,9 +678,18 @@ class Pieces:
             values[start:end] = values[which]
             values[start + rows, below] = middle
             values[which, above] = middle
-        for inherited in (self._cell, self._slopes, self._doubtful):
+        zeros = self._zeros
+        both = zeros[which, above] & zeros[which, below] | _bit(number)
+        zeros[start:end] = zeros[which]
+        zeros[start + rows, below] = zeros[which, above] = both
+        for inherited in (self._cell, self._slopes, self._doubtful, self._coarse):
             inherited[start:end] = inherited[which]
         return np.concatenate([which, np.arange(start, end)])
+
+
+def _bit(number: int) -> int:
+    """Return the bit of a difference; none after the first 62."""
+    return 1 << number if number < 62 else 0
 
 
 def _inner_levels(layers: Layers) -> list[Fraction]:

@@ -32,7 +32,14 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.proof.map.arithmetic import FLOATS, Arithmetic, Array, as_fraction, rationals
+from fuzzyarm.proof.map.arithmetic import (
+    FLOATS,
+    Arithmetic,
+    Array,
+    as_fraction,
+    nearest_float,
+    rationals,
+)
 from fuzzyarm.proof.map.bernstein import SMALLEST, Extremum, Quotients, maximise
 from fuzzyarm.proof.map.bounds import (
     GAP,
@@ -511,14 +518,14 @@ class Prover:
                 at = self.named(surface.pieces.position(search.owner, search.corner))
             if exact is not None and (search.left.count or doubtful.any()):
                 again = self._searched_again(exact, sign, reached)
-                bound = max(float(reached) + float(gap), float(again.bound))
+                bound = max(nearest_float(reached) + float(gap), nearest_float(again.bound))
                 if again.corner is not None:
                     place = exact[0].pieces.position(again.owner, again.corner)
                     reached, at = again.reached, self.named(place)
                 pieces += again.pieces
             elif exact is None and doubtful.any():
                 bound = math.inf
-            complete &= float(bound) <= float(reached) + 2.0 * float(gap)
+            complete &= nearest_float(bound) <= nearest_float(reached) + 2.0 * float(gap)
             ends.append((sign, reached, bound, at))
         return self._as_bounds(ends, shift, pieces, complete=complete)
 
@@ -624,13 +631,13 @@ class Prover:
         for sign, reached, bound, at in ends:
             if self.exact:
                 outer = sign * math.inf  # time ran out before any bound
-                if math.isfinite(float(bound)):
+                if math.isfinite(nearest_float(bound)):
                     outer = _outward(as_fraction(bound) * sign + as_fraction(shift), sign)
-                inner = float(as_fraction(reached) * sign + as_fraction(shift))
+                inner = nearest_float(as_fraction(reached) * sign + as_fraction(shift))
             else:
-                outer = float(bound) * sign + float(shift)
+                outer = nearest_float(bound) * sign + float(shift)
                 outer += sign * WIDENED * max(self.range, abs(outer))
-                inner = float(reached) * sign + float(shift)
+                inner = nearest_float(reached) * sign + float(shift)
             bounds[sign] = outer, inner, {name: float(x) for name, x in at.items()}
         low, reached_low, at_low = bounds.get(-1, (-math.inf, math.nan, {}))
         most, reached_high, at_high = bounds[1]
