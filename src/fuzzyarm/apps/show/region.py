@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 
 def region_chart(text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None) -> Chart:
-    """Return the sections of a proved region."""
+    """Return the sections of a proved region; of several parts of its parameters, of the first."""
     from fuzzyarm.proof.loop.pictures import region_planes
 
+    verdict = verdict.parts[0] if verdict.parts else verdict
     panels = [_panel(plane) for plane in region_planes(text, verdict, plant)]
     title = f"{text.model.name}: proved {verdict.statement}"
     return Chart([panels], (4.4 * max(1, len(panels)), 4.2), title, key=True, heading=True)

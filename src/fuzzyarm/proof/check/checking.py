@@ -93,7 +93,8 @@ class Checked(Shown):
     theorems : tuple of str
         The regions, sectors and bounds used.
     region : dict of str to (float, float)
-        Bounds of each state and memory in the first region; empty without one.
+        Bounds of each state and memory in the first region; empty without one. Of several parts
+        of the parameters, the rests and the least reach around any.
     start_region : dict of str to float
         Largest deviation at the start along each state of the plant alone.
     rest : dict of str to float

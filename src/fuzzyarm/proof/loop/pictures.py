@@ -47,11 +47,7 @@ class RegionPlane:
 def region_planes(
     text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None
 ) -> list[RegionPlane]:
-    """Return the planes of a proved region: of the first two states, and of the next two.
-
-    Of several parts of its parameters, the region of the first one.
-    """
-    verdict = verdict.parts[0] if verdict.parts else verdict
+    """Return the planes of a proved region: of the first two states, and of the next two."""
     certificate = verdict.certificate
     if certificate is None or not certificate.regions:
         return []

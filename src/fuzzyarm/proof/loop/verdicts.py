@@ -82,7 +82,7 @@ class LoopVerdict(Shown):
         ``proved``, ``refuted`` or ``undecided``.
     region : dict of str to (float, float)
         Bounds of each state and memory in the proved region, an ellipsoid; empty without a
-        proof.
+        proof. Of several parts of the parameters, the rests and the least reach around any.
     start_region : dict of str to float
         Largest deviation at the start along each state of the plant alone, everything else at rest
         and the controller at its initial values.
