@@ -380,36 +380,20 @@ def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> R
 
 
 class PlantOf(NamedTuple):
-    """The plant for the checks of a controller.
+    """The plant for the checks of a controller."""
 
-    Attributes
-    ----------
-    plant : Plant
-        The plant; a missing port is an error.
-    connect : mapping of str to str
-        From names of the controller to ports of the plant, if they differ.
-    """
-
-    plant: Plant
+    plant: Plant  # the plant; a missing port is an error
+    # From names of the controller to ports of the plant, if they differ.
     connect: Mapping[str, str] = MappingProxyType({})
 
 
 class Review(NamedTuple):
-    """The findings of one text.
+    """The findings of one text."""
 
-    Attributes
-    ----------
-    text : str
-        The text, for showing the positions.
-    diagnostics : tuple of Diagnostic
-        Errors; without any, also warnings and remarks. In the order of the text.
-    rulebase : RuleBase or None
-        None for a text with errors, and for tables.
-    """
-
-    text: str
+    text: str  # the text, for showing the positions
+    # Errors; without any, also warnings and remarks. In the order of the text.
     diagnostics: tuple[Diagnostic, ...]
-    rulebase: RuleBase | None = None
+    rulebase: RuleBase | None = None  # none for a text with errors, and for tables
 
     def _repr_html_(self) -> str:
         # A named tuple cannot inherit from Shown, so it has the same method.
@@ -572,19 +556,12 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
 
 
 class Judgement(NamedTuple):
-    """Whether a file keeps its ``expect`` and ``prove`` lines.
+    """Whether a file keeps its ``expect`` and ``prove`` lines."""
 
-    Attributes
-    ----------
-    findings : list of Diagnostic
-        One for each false outcome of an ``expect`` line, and for each ``prove`` line that is
-        refuted or takes too long for a check.
-    verdicts : tuple of Verdict
-        On the ``prove`` lines.
-    """
-
+    # One for each false outcome of an ``expect`` line, and for each ``prove`` line that is refuted
+    # or takes too long for a check.
     findings: list[Diagnostic]
-    verdicts: tuple[Verdict, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()  # on the ``prove`` lines
 
 
 PROOF_SECONDS = 1.0

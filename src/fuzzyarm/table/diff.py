@@ -13,20 +13,11 @@ from fuzzyarm.table.table import LookupTable
 
 @dataclass(frozen=True, slots=True)
 class CellChange:
-    """A cell with different values.
+    """A cell with different values."""
 
-    Attributes
-    ----------
-    index : tuple of int
-        In the order of the axes of the first table.
-    levels : tuple of float
-        The level of each axis there.
-    before, after : float
-        The two values.
-    """
-
-    index: tuple[int, ...]
-    levels: tuple[float, ...]
+    index: tuple[int, ...]  # in the order of the axes of the first table
+    levels: tuple[float, ...]  # the level of each axis there
+    # The two values.
     before: float
     after: float
 

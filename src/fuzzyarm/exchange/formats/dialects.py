@@ -37,140 +37,61 @@ JFUZZYLOGIC_ACCUMULATIONS = ("max", "bounded", "normalized", "probor", "sum")
 
 @dataclass(frozen=True, kw_only=True)
 class Dialect:
-    """Syntax and semantics of one format in one program.
+    """Syntax and semantics of one format in one program."""
 
-    Attributes
-    ----------
-    suffix : str
-        Suffix of the files.
-    producer : str
-        Short name of the program on the command line.
-    program : str
-        Name of the program in messages.
-    kinds : str
-        Key of the names of shapes, norms and hedges in their records.
-    hedges : str
-        Key of the names of hedges in rules; that of `kinds` by default.
-    defuzzifiers : str
-        Key of the names of defuzzifiers; that of `kinds` by default.
-    samples : tuple of int and str
-        Number of samples of an output, and their position.
-    threshold : float
-        Firing strength above which a rule fires.
-    activates : bool
-        Whether hedges of a conclusion change the activation degree and carry on to the next
-        conclusions, and an output in a condition is its activation so far (fuzzylite).
-    chains : bool
-        Whether a condition may be about an output that its own block has concluded.
-    thresholds : bool
-        Whether the file can have any threshold.
-    clamps : tuple of str
-        Variables that the file can clamp to their range: ``inputs``, ``outputs``.
-    outside : str
-        Treatment of an input outside its range, by default: ``extend`` or ``error``.
-    negates : bool
-        Whether a conclusion may be negated.
-    formula : fuzzyarm.symbolic.formulas.FormulaDialect
-        Syntax of formulas.
-    assumed : str
-        The reader's remark about assumed defaults.
-    equal_precedence : bool
-        Whether *and* and *or* have equal precedence, from left to right.
-    commas : bool
-        Whether a comma between two conditions is an *and*.
-    any_case : bool
-        Whether keywords may be in upper case, and names may differ in case.
-    separators : tuple of str
-        Separators of conclusions.
-    ties : str
-        Which of two points at one x applies: ``first`` or ``last``.
-    heights : bool
-        Whether a number after those of a shape is its height (fuzzylite).
-    drops_numbers : bool
-        Whether the program ignores surplus numbers of a shape.
-    unordered : bool
-        Whether the program accepts unordered corners and computes with them.
-    case : str
-        Comparison of words of norms and methods: exact, or in ``lower`` or ``upper`` case.
-    norms : tuple of str
-        Keys of the names of norms in files; that of `kinds` by default.
-    no_norm : tuple of str
-        Words for the absence of a norm.
-    repeated_term : str
-        Which of two terms with one name applies: ``first`` or ``last``.
-    method : str
-        Default defuzzifier of an output.
-    methods_of_others : dict of str
-        Other programs' words for defuzzifiers → the words for them here.
-    samplings : dict of str
-        Methods with their own sampling.
-    silent : str
-        Default value of an output for no rule: ``nan``, the ``middle`` of its range,
-        the ``maximum`` of nothing, or that in spite of the file (``nothing``).
-    has_ties : bool
-        Whether rounding decides between equally high samples.
-    holds : bool
-        Whether the file can hold the value of an output for no rule.
-    defaults : bool
-        Whether the file can state another value.
-    instead_of_error : str
-        Message about an output with an error for no rule.
-    resolutions : bool
-        Whether the file can have any number of samples.
-    says_inference : bool
-        Whether the file chooses Tsukamoto's method for values.
-    inverts : bool
-        Whether invertible values imply Tsukamoto's method.
-    sums_values : bool
-        Whether all rules of a weighted output are summed, whatever the aggregation.
-    estimates : bool
-        Whether a missing range is estimated from the terms.
-    values_hint : str
-        Hint for values that would be integrated.
-    """
-
-    suffix: str
-    producer: str
-    program: str
-    kinds: str
-    hedges: str = ""
-    defuzzifiers: str = ""
-    samples: tuple[int, str]
-    threshold: float = 0.0
+    suffix: str  # suffix of the files
+    producer: str  # short name of the program on the command line
+    program: str  # name of the program in messages
+    kinds: str  # key of the names of shapes, norms and hedges in their records
+    hedges: str = ""  # key of the names of hedges in rules; that of `kinds` by default
+    defuzzifiers: str = ""  # key of the names of defuzzifiers; that of `kinds` by default
+    samples: tuple[int, str]  # number of samples of an output, and their position
+    threshold: float = 0.0  # firing strength above which a rule fires
+    # Whether hedges of a conclusion change the activation degree and carry on to the next
+    # conclusions, and an output in a condition is its activation so far (fuzzylite).
     activates: bool = False
+    # Whether a condition may be about an output that its own block has concluded.
     chains: bool = False
-    thresholds: bool = False
+    thresholds: bool = False  # whether the file can have any threshold
+    # Variables that the file can clamp to their range: ``inputs``, ``outputs``.
     clamps: tuple[str, ...] = ()
+    # Treatment of an input outside its range, by default: ``extend`` or ``error``.
     outside: str = "extend"
-    negates: bool = True
-    formula: formulas.FormulaDialect = formulas.FUZZYLITE
-    assumed: str = ""
+    negates: bool = True  # whether a conclusion may be negated
+    formula: formulas.FormulaDialect = formulas.FUZZYLITE  # syntax of formulas
+    assumed: str = ""  # the reader's remark about assumed defaults
+    # Whether *and* and *or* have equal precedence, from left to right.
     equal_precedence: bool = False
-    commas: bool = False
-    any_case: bool = False
-    separators: tuple[str, ...] = ("and",)
-    ties: str = "last"
-    heights: bool = False
-    drops_numbers: bool = False
-    unordered: bool = False
+    commas: bool = False  # whether a comma between two conditions is an *and*
+    any_case: bool = False  # whether keywords may be in upper case, and names may differ in case
+    separators: tuple[str, ...] = ("and",)  # separators of conclusions
+    ties: str = "last"  # which of two points at one x applies: ``first`` or ``last``
+    heights: bool = False  # whether a number after those of a shape is its height (fuzzylite)
+    drops_numbers: bool = False  # whether the program ignores surplus numbers of a shape
+    unordered: bool = False  # whether the program accepts unordered corners and computes with them
+    # Comparison of words of norms and methods: exact, or in ``lower`` or ``upper`` case.
     case: str = ""
-    norms: tuple[str, ...] = ()
-    no_norm: tuple[str, ...] = ()
-    repeated_term: str = "first"
-    method: str = ""
+    norms: tuple[str, ...] = ()  # keys of the names of norms in files; that of `kinds` by default
+    no_norm: tuple[str, ...] = ()  # words for the absence of a norm
+    repeated_term: str = "first"  # which of two terms with one name applies: ``first`` or ``last``
+    method: str = ""  # default defuzzifier of an output
+    # Other programs' words for defuzzifiers → the words for them here.
     methods_of_others: Mapping[str, str] = field(default_factory=dict)
-    samplings: Mapping[str, str] = field(default_factory=dict)
+    samplings: Mapping[str, str] = field(default_factory=dict)  # methods with their own sampling
+    # Default value of an output for no rule: ``nan``, the ``middle`` of its range, the ``maximum``
+    # of nothing, or that in spite of the file (``nothing``).
     silent: str = "nan"
-    has_ties: bool = False
-    holds: bool = False
-    defaults: bool = False
-    instead_of_error: str = ""
-    resolutions: bool = False
-    says_inference: bool = False
-    inverts: bool = False
+    has_ties: bool = False  # whether rounding decides between equally high samples
+    holds: bool = False  # whether the file can hold the value of an output for no rule
+    defaults: bool = False  # whether the file can state another value
+    instead_of_error: str = ""  # message about an output with an error for no rule
+    resolutions: bool = False  # whether the file can have any number of samples
+    says_inference: bool = False  # whether the file chooses Tsukamoto's method for values
+    inverts: bool = False  # whether invertible values imply Tsukamoto's method
+    # Whether all rules of a weighted output are summed, whatever the aggregation.
     sums_values: bool = False
-    estimates: bool = False
-    values_hint: str = ""
+    estimates: bool = False  # whether a missing range is estimated from the terms
+    values_hint: str = ""  # hint for values that would be integrated
 
     def folded(self, word: str) -> str:
         """Return a word in the case of the names of norms and methods."""

@@ -32,27 +32,15 @@ from fuzzyarm.language.model.rulebase import RuleBase
 
 @dataclass(frozen=True)
 class Library:
-    """A library with readable live objects.
+    """A library with readable live objects."""
 
-    Attributes
-    ----------
-    name : str
-        Usual name.
-    module : str
-        Top-level module.
-    classes : tuple of str
-        Names of its system classes.
-    read : callable
-        ``read(object, name, lossy=…, strict=…)`` returns an :class:`Imported`.
-    numbers : callable
-        ``numbers(object)`` returns a function from inputs by name to the outputs with a value,
-        evaluated by the library.
-    """
-
-    name: str
-    module: str
-    classes: tuple[str, ...]
+    name: str  # usual name
+    module: str  # top-level module
+    classes: tuple[str, ...]  # names of its system classes
+    # ``read(object, name, lossy=…, strict=…)`` returns an :class:`Imported`.
     read: Callable[..., Imported]
+    # ``numbers(object)`` returns a function from inputs by name to the outputs with a value,
+    # evaluated by the library.
     numbers: Callable[[Any], Callable[[Mapping[str, float]], dict[str, float]]]
 
 
