@@ -10,22 +10,44 @@ from fuzzyarm.exchange.export.numbers import ExportError
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """A board of the Arduino world."""
+    """A board of the Arduino world.
 
-    name: str  # its name in commands
-    title: str  # its usual name
-    processor: str  # its chip; of an AVR as avr-gcc calls it
-    # Bytes for a program and for its variables, as the IDE has them.
+    Attributes
+    ----------
+    name : str
+        Its name in commands.
+    title : str
+        Its usual name.
+    processor : str
+        Its chip; of an AVR as avr-gcc calls it.
+    flash, ram : int
+        Bytes for a program and for its variables, as the IDE has them.
+    has_double : bool
+        Whether ``double`` is more than ``float``.
+    avr : bool
+        Whether it is an AVR, with flash in a separate address space.
+    platform, environment : str
+        Of PlatformIO.
+    pins : int
+        Analogue inputs, A0 first.
+    analog_top : int
+        The largest value of ``analogRead`` after a reset.
+    clock : int
+        In Hz.
+    """
+
+    name: str
+    title: str
+    processor: str
     flash: int
     ram: int
-    has_double: bool  # whether ``double`` is more than ``float``
-    avr: bool  # whether it is an AVR, with flash in a separate address space
-    # Of PlatformIO.
+    has_double: bool
+    avr: bool
     platform: str
     environment: str
-    pins: int  # analogue inputs, A0 first
-    analog_top: int  # the largest value of ``analogRead`` after a reset
-    clock: int  # in Hz
+    pins: int
+    analog_top: int
+    clock: int
 
     @property
     def named(self) -> str:
@@ -72,13 +94,26 @@ def board_named(name: str) -> Board:
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """The memory of a program on a board, in bytes."""
+    """The memory of a program on a board, in bytes.
 
-    flash: int  # code and constants, or constants alone without a compiler
-    static: int  # static variables
-    stack: int  # further RAM of a call, at most
-    what: str  # the content of `flash`, in words
-    # Bytes of constants, and of the largest array of them.
+    Attributes
+    ----------
+    flash : int
+        Code and constants, or constants alone without a compiler.
+    static : int
+        Static variables.
+    stack : int
+        Further RAM of a call, at most.
+    what : str
+        The content of `flash`, in words.
+    constants, largest : int
+        Bytes of constants, and of the largest array of them.
+    """
+
+    flash: int
+    static: int
+    stack: int
+    what: str
     constants: int = 0
     largest: int = 0
 

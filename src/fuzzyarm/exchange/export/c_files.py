@@ -41,13 +41,22 @@ SWITCH = "FUZZYARM_SELF_TEST"
 
 @dataclass(frozen=True)
 class CText:
-    """Exported files."""
+    """Exported files.
 
-    # Texts, by the ending of their names: ``.h``; ``.c`` with its ``.h``; of a library
-    # ``_self_test.c`` too, with the function `self_test`.
+    Attributes
+    ----------
+    files : dict of str to str
+        Texts, by the ending of their names: ``.h``; ``.c`` with its ``.h``; of a library
+        ``_self_test.c`` too, with the function `self_test`.
+    printer : CPrinter
+        Its parts.
+    prototypes : tuple of str
+        Of the functions that others call.
+    """
+
     files: Mapping[str, str]
-    printer: CPrinter  # its parts
-    prototypes: tuple[str, ...]  # of the functions that others call
+    printer: CPrinter
+    prototypes: tuple[str, ...]
 
     @property
     def self_test(self) -> str:

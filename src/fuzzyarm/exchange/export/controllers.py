@@ -112,12 +112,24 @@ def _looked_up(
 
 @dataclass(frozen=True)
 class Tried:
-    """The run of a controller over a sequence of periods."""
+    """The run of a controller over a sequence of periods.
 
-    vectors: TestSequence  # ports and drives
-    worst: float  # largest difference of a drive to the controller in double precision
-    largest: float  # largest drive
-    truths: Sequence[Sequence[float]]  # drives of the controller in double precision
+    Attributes
+    ----------
+    vectors : TestSequence
+        Ports and drives.
+    worst : float
+        Largest difference of a drive to the controller in double precision.
+    largest : float
+        Largest drive.
+    truths : sequence of sequence of float
+        Drives of the controller in double precision.
+    """
+
+    vectors: TestSequence
+    worst: float
+    largest: float
+    truths: Sequence[Sequence[float]]
 
 
 def worst_of(found: Sequence[Sequence[float]], truths: Sequence[Sequence[float]]) -> float:
