@@ -35,6 +35,7 @@ from fuzzyarm.language.model.rulebase import (
     Outcome,
     Output,
     PeakTuning,
+    Property,
     Rule,
     RuleBase,
     RuleBlock,
@@ -405,12 +406,25 @@ def _decorations(draw: Draw, rulebase: RuleBase) -> RuleBase:
         (GainTuning(("G_e", "G ce"), 0.5, 2.0, draw(flags), draw(flags), draw(flags)),),
         draw(st.sampled_from([(), ((first.name, ""),), ((first.name, first.terms[0].name),)])),
     )
+    region = draw(st.sampled_from([(), ((first.name, first.low, first.high),)]))
+    statements = [
+        Property("value", output.name, region, outcome),
+        Property("covered", output.name, region),
+        Property("falls", output.name, region, input=first.name),
+        Property("slope", output.name, region, input=first.name, low=-1.5, high=2.0),
+        Property("table", output.name, region, high=0.5, mode="bins"),
+    ]
     return dataclasses.replace(
         rulebase,
         description=draw(descriptions),
         inputs=(dataclasses.replace(first, description=draw(descriptions)), *rulebase.inputs[1:]),
+        outputs=(
+            dataclasses.replace(output, description=draw(descriptions)),
+            *rulebase.outputs[1:],
+        ),
         lookup=draw(st.sampled_from([None, lookup])),
         expectations=draw(st.sampled_from([(), (Expectation(at, (outcome,)),)])),
+        properties=tuple(draw(st.lists(st.sampled_from(statements), max_size=2, unique=True))),
         tuning=draw(st.sampled_from([None, tuning])),
     )
 

@@ -1,6 +1,6 @@
 """Text and meaning: each gives the other back, for every model that can be made."""
 
-from dataclasses import replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +19,40 @@ from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.language.check import check
 from fuzzyarm.language.model.rulebase import And, RuleBase
 from fuzzyarm.language.tokens import name_text
+
+
+def parts_of(value):
+    """Yield every record in a model."""
+    if is_dataclass(value):
+        yield value
+        value = [getattr(value, each.name) for each in fields(value)]
+    if isinstance(value, list | tuple):
+        for each in value:
+            yield from parts_of(each)
+
+
+def options_of(record):
+    """Yield the fields that count and may be left out, each with its default."""
+    for each in fields(record):
+        if each.compare and each.default is not MISSING:
+            yield each.name, each.default
+
+
+@pytest.mark.slow
+def test_every_field_of_a_model_is_drawn():
+    seen = set()
+
+    @settings(max_examples=40, deadline=None)
+    @given(rulebases(odd_names=True, decorated=True))
+    def look(rulebase):
+        for part in parts_of(rulebase):
+            for name, default in options_of(part):
+                if getattr(part, name) != default:
+                    seen.add((type(part), name))
+
+    look()
+    every = {(kind, name) for kind in {kind for kind, _ in seen} for name, _ in options_of(kind)}
+    assert every - seen == set()
 
 
 @pytest.mark.slow

@@ -10,13 +10,14 @@ To add a statement: write its node below, add its row to :data:`STATEMENTS`, and
 in :func:`fuzzyarm.language.meaning.elaborate`. Two are written by hand, since they are not a line
 of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``. A field of the model that a
 statement fills is written by ``_sections`` of :mod:`fuzzyarm.language.writer`, drawn in
-``tests/strategies.py``, built again in ``tests/python/test_builder.py``, and a loss in
+``tests/strategies.py`` (``tests/language/test_round_trips.py`` names a field that is not, and finds
+what is not written), built again in ``tests/python/test_builder.py``, and a loss in
 ``note_left_out`` of :mod:`fuzzyarm.exchange.formats.system_writer`; a setting of tables is one of
 the fields of ``Lookup``, and an option of ``compile`` in :mod:`fuzzyarm.requests.making`.
 
 Further steps: a section with an example in ``docs/reference/language.md``, which the tests parse; a
 line in ``docs/reference/checks.md`` for each new finding; ``tools/make_schemas.py``;
-``pytest --update-golden`` for the tables of the pages and the editor's grammar.
+``pytest --update-golden tests/language tests/lsp`` for the tables and the editor's grammar.
 ``tests/language/test_new_statement.py`` adds one in a test.
 """
 
