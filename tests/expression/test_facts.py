@@ -121,6 +121,22 @@ def test_between_two_bends_a_curve_goes_half_its_way_at_most_and_none_beyond(kin
         assert kind.scalar(far, *numbers) == pytest.approx(kind.scalar(end, *numbers), abs=0.13)
 
 
+WITHOUT_CLOSED_FORM = {"sigmoid-difference", "sigmoid-product"}
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_between_two_turns_a_shape_only_rises_or_only_falls(kind, numbers):
+    if kind.name in WITHOUT_CLOSED_FORM or numbers == (2, 1, -1, 1):  # the last: crossed means
+        return
+    turns = numbers if kind.turns is None else kind.turns(*numbers)
+    inner = sorted({on(x) for x in turns})
+    for low, high in itertools.pairwise([inner[0] - 20.0, *inner, inner[-1] + 20.0]):
+        beside = 1e-9 * (high - low)  # an edge belongs to the higher side
+        x = np.linspace(low + beside, high - beside, 200)
+        steps = np.diff([kind.scalar(each, *map(float, numbers)) for each in x.tolist()])
+        assert (steps >= -1e-12).all() or (steps <= 1e-12).all(), (low, high)
+
+
 def test_squares_and_cubes_are_products():
     x = symbol("x")
     assert x**2 is x * x

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fuzzyarm.inference import InferenceError, infer
 from fuzzyarm.language.model.rulebase import RuleBase, Shape
-from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
 from tests.inference.small import base, rule, terms
 from tests.interpreted import interpreted
 from tests.strategies import SMOOTH, STRAIGHT, shapes
@@ -91,14 +91,23 @@ def test_samplings_differ_at_the_ends() -> None:
     assert both(exact, a=1.0) == pytest.approx(10.0 / 3.0)
 
 
-@pytest.mark.parametrize(
-    ("method", "expected"),
-    [
-        ("smallest-of-maximum", 1.0),
-        ("largest-of-maximum", 8.0),
-        ("mean-of-maximum", 4.5),
-    ],
-)
+# Two boxes 1 .. 3 and 6 .. 8 of one height.
+PLATEAUS = {
+    "smallest-of-maximum": 1.0,
+    "largest-of-maximum": 8.0,
+    "mean-of-maximum": 4.5,
+    "middle-of-maximum": 4.5,
+    "nearest-of-maximum": 1.0,
+    "farthest-of-maximum": 8.0,
+}
+
+
+def test_every_defuzzifier_of_the_maximum_is_here() -> None:
+    of_maximum = {name for name, kind in DEFUZZIFIERS.items() if kind.of == "top" and not kind.own}
+    assert of_maximum == set(PLATEAUS)
+
+
+@pytest.mark.parametrize(("method", "expected"), PLATEAUS.items())
 def test_maxima_of_equally_high_plateaus(method: str, expected: float) -> None:
     assert both(base(RULES, BOXES, method), a=0.5, b=0.5) == pytest.approx(expected)
     assert both(base(RULES, BOXES, method), a=0.5, b=0.4) <= 3.0

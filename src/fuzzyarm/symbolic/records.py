@@ -171,8 +171,8 @@ class ShapeKind(Kind):
         From the parameters to positions between which a curved shape is smooth, with some around
         its flanks. None: its parameters and the midpoints between them.
     turns : callable or None
-        From the parameters to the positions at which it starts, ends or has an extremum. None:
-        its parameters.
+        From the parameters to the positions at which it starts, ends or has an extremum, as far as
+        they have a closed form: checks sample a curve between them. None: its parameters.
     centre : callable or None
         From the parameters to the middle of its core. None: found by search.
     inverse : callable or None

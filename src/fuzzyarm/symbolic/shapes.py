@@ -435,6 +435,7 @@ def register() -> None:
         ("start", "end"),
         _semi_ellipse,
         doc="half an ellipse between start and end",
+        turns=lambda start, end: (start, _middle(start, end), end),
         centre=_middle,
         names={"fll": "SemiEllipse", "fcl": "SemiEllipse", "fis": "SemiEllipse"},
     )
