@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
+from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -106,24 +107,53 @@ def test_rule_bases_of_any_kind_stay_inside_or_are_refused(rulebase: RuleBase, s
     assert finite.max(initial=-math.inf) <= bounds.high + slack
 
 
-QUOTIENTS = {
-    "value": (Surface.value, False),
-    "slope": (lambda surface: surface.slope(0), False),
-    "gradient": (Surface.gradient_squared, False),
-    "odd": (Surface.odd, True),
+def of_opposites(prover: Prover) -> QuotientProblem:
+    ((low, high),) = prover.box({})
+    size = min(-low, high)
+    return QuotientProblem(((-size, size),), Surface.odd, mirrored=True)
+
+
+def of_another(prover: Prover) -> QuotientProblem:
+    (block,) = prover.rulebase.blocks
+    first = dataclasses.replace(block.rules[0], weight=0.4)
+    block = dataclasses.replace(block, rules=(first, *block.rules[1:]))
+    second = Prover(dataclasses.replace(prover.rulebase, blocks=(block,)), "u").model
+    assert second is not None
+    return QuotientProblem(prover.box({}), lambda s: s.apart(second), other=second)
+
+
+def of_a_table(prover: Prover) -> QuotientProblem:
+    table = fuzzyarm.compile_table(prover.rulebase, levels=6)
+    return prover._table_question(table, "linear", prover.box({}))
+
+
+QUOTIENTS: dict[str, Callable[[Prover], QuotientProblem]] = {
+    "value": lambda p: QuotientProblem(p.box({}), Surface.value),
+    "slope": lambda p: QuotientProblem(p.box({}), lambda s: s.slope(0), steep=True),
+    "gradient_squared": lambda p: QuotientProblem(p.box({}), Surface.gradient_squared, steep=True),
+    "odd": of_opposites,
+    "apart": of_another,
+    "difference": of_a_table,
 }
-"""A question of a surface, and whether its box is mirrored about 0."""
+"""The questions of a surface, by its method."""
+
+
+def test_every_quotient_of_floats_is_here() -> None:
+    made = {
+        name
+        for name, method in vars(Surface).items()
+        if not name.startswith("_")
+        and getattr(method, "__annotations__", {}).get("return") == "Quotients"
+    }
+    assert made - {"over_form"} == set(QUOTIENTS)  # that one is of rationals alone
 
 
 @pytest.mark.parametrize("seed", range(cases(3, 8)))
 @pytest.mark.parametrize("name", QUOTIENTS)
 def test_coefficients_of_floats_are_off_by_no_more_than_they_say(name: str, seed: int) -> None:
-    make, mirrored = QUOTIENTS[name]
     prover = Prover(irregular(random.Random(seed), 1), "u")
-    ((low, high),) = prover.box({})
-    box = ((-min(-low, high), min(-low, high)) if mirrored else (low, high),)
-    question = QuotientProblem(box, make, mirrored=mirrored, steep=not mirrored)
-    rounded, exact = (make(prover.surface(question, way)) for way in (FLOATS, rationals()))
+    question = QUOTIENTS[name](prover)
+    rounded, exact = (question.make(prover.surface(question, way)) for way in (FLOATS, rationals()))
     of_floats = np.asarray(rounded.corners, dtype=float)
     same = np.abs(of_floats - exact.corners.astype(float)).max(axis=(1, 2)) < 1e-12
     assert same.mean() > 0.9  # where two cuts tie, pieces come in another order

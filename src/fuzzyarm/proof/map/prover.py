@@ -8,7 +8,7 @@ wider.
 To add a property: a quotient of polynomials in :mod:`.surface`, its question here, a verb of
 ``ProveNode`` in :mod:`fuzzyarm.language.statements` (its demands on ranges in
 :mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand besides: the kinds
-of ``Property`` in :mod:`fuzzyarm.language.model.rulebase`, the quotient in ``QUOTIENTS`` of
+of ``Property`` in :mod:`fuzzyarm.language.model.rulebase`, its quotient in ``QUOTIENTS`` of
 ``tests/proof/test_soundness.py`` (its rounding against rationals), the statement in
 ``tests/fuzz/attacked_proofs.py``, ``docs/reference/metrics.md``; then ``tools/make_schemas.py``.
 New features of rule bases are refused by name in :mod:`.straight` and :mod:`.boxes` until
