@@ -205,7 +205,7 @@ class _Writer:
             weighs = rule.weight != 1.0 or planned.threshold > 0.0
             weighing = weighed_strength(rule.weight, planned.threshold)
             address = self.addresses.expression(weighing, ()) if weighs else 0
-            # A single operand is no expression of its own.
+            # A single operand has no expression.
             operands = operands * 2 if len(operands) == 1 and norm == at.MIN else operands
             self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, address)
         return self.truths[key].number

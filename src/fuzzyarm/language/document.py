@@ -242,7 +242,7 @@ def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
 
 
 def _name_above_axes(line: SourceLine, heading: str) -> list[_StatementTokens]:
-    """Return the name that a line above the axes defines: its readers are no second finding."""
+    """Return the name defined by a line above the axes, to report the mistake once only."""
     if not _signal_hint(line, heading):
         return []
     return [_StatementTokens(_signals(), line.tokens[:1], (), "")]

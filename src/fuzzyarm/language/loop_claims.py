@@ -193,7 +193,7 @@ def _read_duration(cursor: Cursor) -> Time:
 
 
 def _is_move(cursor: Cursor) -> bool:
-    """Tell whether another move follows, rather than another port."""
+    """Return whether another move follows, rather than another port."""
     token = cursor.peek(1)
     return cursor.next_is(",") and token is not None and (
         token.kind == "number" or token.text in ("-", "+")
@@ -406,5 +406,5 @@ def claim_node(claim: LoopClaim) -> LoopClaimNode:
 
 
 def _is_time(kind: str, index: int) -> bool:
-    """Tell whether a number of a reference is a time: the second one, and further ones of moves."""
+    """Return whether a number of a reference is a time: the second one, and later ones of moves."""
     return kind != "sine" and (index == 1 or (index > 3 and not index % 2))

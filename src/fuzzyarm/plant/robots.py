@@ -437,7 +437,7 @@ def _effort(robot: Any, actuator: int) -> tuple[float, float]:
         low, high = map(float, robot.actuator_forcerange[actuator])
         return gear * low, gear * high
     if int(robot.actuator_biastype[actuator]) != int(mujoco.mjtBias.mjBIAS_NONE):
-        return -math.inf, math.inf  # a servo, whose control is no torque
+        return -math.inf, math.inf  # a servo, whose control is not a torque
     gain = gear * abs(float(robot.actuator_gainprm[actuator, 0]))
     low, high = _range(robot, actuator)
     return gain * low, gain * high

@@ -570,7 +570,7 @@ class _Reader(SystemReader):
         if count is not None and count < found:
             self.findings.warn("wrong-count", f"{message}, which are all read", word)
             return True
-        # All rules up to the last are complete; a greater count alone is no evidence of more.
+        # All rules up to the last are complete; a larger count alone proves nothing.
         if items == "rules" and self.rules and _ENDING.search(self.rules[-1].text):
             self.findings.warn("wrong-count", message, word, "is the file cut off?")
             return True

@@ -113,9 +113,9 @@ class TubeProof(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A part of the parameters of a claim, and what proves the claim of it."""
+    """A part of a claim's parameters, and its proof."""
 
-    parameters: tuple[Stretch, ...]  # in place of those of the claim, by the same names
+    parameters: tuple[Stretch, ...]  # replace those of the claim, by name
     regions: tuple[RegionProof, ...]
     tubes: tuple[TubeProof, ...]
 
@@ -193,7 +193,7 @@ class Certificate:
 
     @property
     def by_part(self) -> tuple[Certificate, ...]:
-        """The certificates of its parts; itself where it has none."""
+        """The certificates of its parts; itself without parts."""
         return tuple(
             replace(self, claim=replace(self.claim, parameters=part.parameters),
                     regions=part.regions, tubes=part.tubes, parts=())

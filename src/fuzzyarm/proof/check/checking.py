@@ -338,11 +338,11 @@ class CheckedProof:
     havens : tuple of Haven
         Its proved regions.
     facts : dict of str to object
-        Of the first region, or of the regions of all parts, as fields of a verdict.
+        Facts of the first region, or of the regions of all parts, as fields of a verdict.
     loop, theorems : tuple of str
         In words.
     coverage : Fraction
-        Of a map: which share of its window is proved, rounded down.
+        Of a map: proved share of its window, rounded down.
     """
 
     problem: LoopProblem
@@ -388,7 +388,7 @@ def _proof_of(
 def _proof_by_parts(
     problem: LoopProblem, certificate: Certificate, surfaces: RuleSurfaces
 ) -> CheckedProof:
-    """Return the proof of a claim by those of it for parts of its parameters."""
+    """Return the proof of a claim from proofs for parts of its parameters."""
     if certificate.window or certificate.regions or certificate.tubes:
         raise LoopProofError("beside its parts it has a map, regions or tubes")
     if len({part.continuous for part in certificate.by_part}) > 1:
@@ -416,7 +416,7 @@ def _proof_by_parts(
 
 
 def _require_all_parameters(certificate: Certificate) -> None:
-    """Refuse parts that are not all of the parameters of a claim."""
+    """Refuse parts that do not cover the claim's parameters."""
     names = [name for name, _, _ in certificate.claim.parameters]
     boxes = [{name: (a, b) for name, a, b in part.parameters} for part in certificate.parts]
     if any(len(part.parameters) != len(names) or set(box) != set(names)
@@ -429,7 +429,7 @@ def _require_all_parameters(certificate: Certificate) -> None:
 
 
 def _facts_of_parts(proofs: Sequence[CheckedProof]) -> dict[str, Any]:
-    """Return the facts of a region that those of all parts share: the least reach around a rest."""
+    """Return the facts common to the regions of all parts: the least reach around a rest."""
     facts, loops = [proof.facts for proof in proofs], [proof.havens[0].loop for proof in proofs]
     region, rests = dict[str, tuple[float, float]](), dict[str, tuple[float, float]]()
     for name in facts[0]["region"]:
@@ -459,7 +459,7 @@ def _facts_of_parts(proofs: Sequence[CheckedProof]) -> dict[str, Any]:
 
 
 def _follow(follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]) -> None:
-    """Follow all boxes; a claim of starts needs all of them in the boxes."""
+    """Follow all boxes; a claim with starts needs all starts inside the boxes."""
     for number, followed in enumerate(follow_tubes(follower, claim, tubes), 1):
         if followed.against:
             raise LoopProofError(f"box {number}: {followed.against}")
@@ -566,7 +566,7 @@ def _coverage(problem: LoopProblem, certificate: Certificate) -> Fraction:
         raise LoopProofError("a map claims that a loop is stable, of one window")
     for name, (low, high) in window.items():
         if name not in problem.states or not (math.isfinite(high - low) and low < high):
-            raise LoopProofError(f"{name} in {low:g} .. {high:g} is no window")
+            raise LoopProofError(f"not a window: {name} in {low:g} .. {high:g}")
     problem.require_known_start()
     lows, highs = [], []
     for tube in certificate.tubes:

@@ -223,12 +223,12 @@ def _require_times(claim: LoopClaim) -> None:
     if claim.when == "always" and _times(claim):
         raise ClaimError(f"a claim that holds always has no times, such as {begin} .. {end} s")
     if claim.when == "after" and claim.begin < 0.0:
-        raise ClaimError(f"'after {begin} s' is no time of a run: it begins at 0 s")
+        raise ClaimError(f"'after {begin} s' is before a run begins, at 0 s")
     if claim.when == "after" and not (0.0 <= claim.begin < math.inf and math.isinf(claim.end)):
-        raise ClaimError(f"'after {begin} s' and an end at {end} s are no claim for all time")
+        raise ClaimError(f"not a claim for all time: 'after {begin} s' with an end at {end} s")
     if claim.when == "during" and not (0.0 <= claim.begin <= claim.end < math.inf and claim.end):
         raise ClaimError(
-            f"during {begin} .. {end} s is no time of a run", hint="as in during 0 .. 1 s"
+            f"not a time of a run: during {begin} .. {end} s", hint="as in during 0 .. 1 s"
         )
 
 

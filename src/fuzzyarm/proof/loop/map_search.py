@@ -161,7 +161,7 @@ class _Map:
                 raise ClaimError(f"a map takes no interval of a parameter, as of {name}", hint=hint)
         for name, span in self.window.items():
             if not span.low < span.high:
-                raise ClaimError(f"{name} in {span.low:g} .. {span.high:g} is no window")
+                raise ClaimError(f"not a window: {name} in {span.low:g} .. {span.high:g}")
         self.boxes: list[MappedBox] = []
         self.work = 0.0
         self.journal: WorkJournal | None = None
@@ -457,6 +457,6 @@ def _remaining(box: Box, done: Sequence[MappedBox]) -> list[Box]:
             found = [_remaining(half, some) for half, some in zip(halves, parts, strict=True)]
             return found[0] + found[1]
     raise LoopProofError(
-        "the boxes of the journal overlap, or are no halves of halves of the window",
+        "the boxes of the journal overlap, or are not repeated halves of the window",
         hint="begin anew, with another file",
     )

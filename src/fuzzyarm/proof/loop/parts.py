@@ -1,8 +1,8 @@
 """Claims about intervals of parameters, proved part by part.
 
 A region has one function for all parameters of its claim, so that wide intervals have a small
-region or none. Where the whole is undecided and one point of it is proved, the parameters are
-halved; the parts together are the claim.
+region or none. If the whole is undecided and its midpoint is proved, the parameters are halved; the
+parts together are the claim.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from fuzzyarm.proof.loop.verdicts import PROVED, REFUTED, UNDECIDED, LoopVerdict
 from fuzzyarm.proof.stop import Stop
 
 MOST_HALVINGS = 6
-"""How often an interval of a parameter is halved."""
+"""Most halvings of a parameter's interval."""
 
 
 def prove_loop(
@@ -49,16 +49,16 @@ def prove_loop(
     claim : LoopClaim
         The claim.
     plant : Plant, optional
-        In place of the one that the claim names. That one is loaded only if it is a shipped one, or
-        if the claim does not stand in a file: else its code would run.
+        In place of the plant named in the claim, which is loaded only if it is shipped, or if the
+        claim is not from a file: else its code would run.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        Port of the plant for each name of the controller that differs.
     sensors : mapping of str to Sensor, optional
         By port; exact ones by default.
     budget : float
-        Seconds after which it stays undecided.
+        Seconds until the verdict is undecided.
     continuous : bool
-        Of the loop as if the controller ran without a period.
+        Prove the loop in continuous time, without a period.
     tell : callable, optional
         Called with the claim, the number of attempts and NaN.
 
@@ -72,7 +72,7 @@ def prove_loop(
     PlantError
         If there is no such plant, or it has no such port.
     ClaimError
-        If the claim names another state or parameter, or has ends in the wrong order.
+        If the claim has an unknown state or parameter, or ends in the wrong order.
     """
     plant = claimed_plant(claim) if plant is None else plant
     return _Halving(GivenLoop(text, plant, connect, sensors), claim, budget, tell,
@@ -80,7 +80,7 @@ def prove_loop(
 
 
 def joined(claim: LoopClaim, parts: Sequence[Certificate]) -> Certificate:
-    """Return the certificate of a claim, of those of its parts."""
+    """Return the certificate of a claim, composed of those of its parts."""
     return replace(
         parts[0], claim=claim, regions=(), tubes=(),
         parts=tuple(Part(each.claim.parameters, each.regions, each.tubes) for each in parts),
@@ -88,7 +88,7 @@ def joined(claim: LoopClaim, parts: Sequence[Certificate]) -> Certificate:
 
 
 class _Halving:
-    """A claim on trial, whose intervals of parameters may be halved."""
+    """The proof of a claim by halving its intervals of parameters."""
 
     def __init__(
         self, given: GivenLoop, claim: LoopClaim, budget: float, tell: Tell | None, *,
@@ -99,7 +99,7 @@ class _Halving:
         self.pieces = 0
 
     def verdict(self) -> LoopVerdict:
-        """Judge the claim: the whole, the middle of its parameters, parts."""
+        """Judge the claim: the whole, the midpoint of its parameters, parts."""
         widths = {name: high - low for name, low, high in self.claim.parameters if low < high}
         bounded = math.isfinite(self.claim.end)  # a tube halves parameters by itself
         if not widths or bounded or not all(map(math.isfinite, widths.values())):
@@ -132,9 +132,9 @@ class _Halving:
         return self._together(parts)
 
     def _together(self, parts: Sequence[LoopVerdict]) -> LoopVerdict:
-        """Return the verdict on the claim, all of whose parts are proved."""
+        """Return the verdict on the claim from its proved parts."""
         certificates = [part.certificate for part in parts if part.certificate is not None]
-        if len(certificates) < len(parts):  # by tubes, whose certificates are made on demand
+        if len(certificates) < len(parts):  # by tubes, whose certificates are searched on demand
             each = f"in {len(parts)} parts of its parameters, each by a tube"
             return self._of_all(
                 parts[0], parts=tuple(parts), evidence=(each, *parts[0].evidence), region={},
@@ -150,7 +150,7 @@ class _Halving:
         return found
 
     def _of_all(self, found: LoopVerdict, **facts: Any) -> LoopVerdict:
-        """Return a verdict as that on the whole claim."""
+        """Return a verdict on the whole claim."""
         return replace(
             found, claim=self.claim, pieces=self.pieces,
             statement=self.given.sentence(self.claim, continuous=self.continuous),
@@ -164,7 +164,7 @@ def _at_middle(claim: LoopClaim) -> LoopClaim:
 
 
 def _halvings(claim: LoopClaim, widths: Mapping[str, float]) -> int:
-    """Return how often the parameters of a part were halved."""
+    """Return the number of halvings of a part's parameters."""
     return sum(_halved(each, widths) for each in claim.parameters)
 
 
@@ -174,7 +174,7 @@ def _halved(part: Stretch, widths: Mapping[str, float]) -> int:
 
 
 def _halves(claim: LoopClaim, widths: Mapping[str, float]) -> list[LoopClaim]:
-    """Return the halves of a part, along the parameter that was halved least."""
+    """Return the halves of a part, along the least halved parameter."""
     name, low, high = min(
         (each for each in claim.parameters if each[0] in widths),
         key=lambda each: _halved(each, widths),

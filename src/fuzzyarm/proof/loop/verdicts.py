@@ -120,7 +120,7 @@ class LoopVerdict(Shown):
     haven : RegionProof or None
         The region into which a tube leads.
     parts : tuple of LoopVerdict
-        On parts of the parameters, where it is made of these.
+        Verdicts on parts of the parameters, if it is composed of them.
     """
 
     statement: str
