@@ -21,7 +21,7 @@ from fuzzyarm.proof.loop import LoopProofError, prove_loop, read_claim
 from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.runs import sampled_runs
-from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, in_the_way
+from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, first_open_box
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.zonotope import Forms, stacked
 from fuzzyarm.proof.map.bounds import Bounds
@@ -265,6 +265,6 @@ def test_a_single_start_that_cannot_be_followed_is_said() -> None:
         complete=False,
         seconds=0.0,
     )
-    (line,) = in_the_way(tube)
+    (line,) = first_open_box(tube)
     assert "too wide before 20 s" in line
-    assert in_the_way(replace(tube, complete=True)) == ()
+    assert first_open_box(replace(tube, complete=True)) == ()

@@ -55,7 +55,7 @@ def test_a_certificate_is_what_was_written_and_proves_its_claim(certificate, tmp
 @precisely
 def sets_of(follower, box, count):
     """Return the sets of a box, sample by sample."""
-    sets = [follower._begin([box])]
+    sets = [follower.start_forms([box])]
     for k in range(count - 1):
         after, _ = follower._period(sets[-1], k)
         sets.append(follower.numbers.fewer(after, 14))
@@ -168,7 +168,7 @@ def test_sets_hold_runs_of_loops_that_remember(kind, tmp_path):
 def followed_together(follower, boxes, periods):
     """Return where sets are at each sample, followed side by side: (samples, ends, forms, sets)."""
     follower.numbers.sets, follower.numbers.symbols = len(boxes), 0
-    forms, ends = follower._begin(boxes), []
+    forms, ends = follower.start_forms(boxes), []
     for k in range(periods):
         forms, _ = follower._period(forms, k)
         forms = follower.numbers.fewer(forms, 14)

@@ -930,11 +930,11 @@ def judge_sets(bench: Bench) -> None:
         states, values = bench.starts(box, {}, 40)
         course = bench.run(states, values, 25)
         follower.numbers.sets = 1
-        now = follower._begin([[tuple(map(Fraction, box[name])) for name in problem.states]])
+        now = follower.start_forms([[tuple(map(Fraction, box[name])) for name in problem.states]])
         for k in range(25):
             follower.numbers.symbols = max(len(form.weights) for form in now)
             try:
-                which, now, _ = follower._further(np.arange(1), now, k, "", [Followed(0)])
+                which, now, _ = follower._advanced(np.arange(1), now, k, "", [Followed(0)])
             except FuzzyarmError:
                 which = np.arange(0)
             if not len(which):

@@ -30,7 +30,7 @@ from fuzzyarm.proof.map.centroid_bounds import (
     ends_of_centroid_bounds,
 )
 from fuzzyarm.proof.map.pieces import Cut, cut
-from fuzzyarm.proof.map.place_bounds import (
+from fuzzyarm.proof.map.position_bounds import (
     bisector_bounds,
     halving_bounds,
     nearest_half_bounds,

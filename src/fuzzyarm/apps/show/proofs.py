@@ -7,7 +7,7 @@ from dataclasses import replace
 from fuzzyarm.base.numbers import inward_interval, outward_text
 from fuzzyarm.proof.map import Bounds
 from fuzzyarm.proof.map.controllers import DriveProof, DriveSector
-from fuzzyarm.proof.map.prover import written
+from fuzzyarm.proof.map.prover import point_text
 from fuzzyarm.proof.map.sector import Sector, form_text
 from fuzzyarm.proof.map.verdicts import bound_text
 
@@ -25,16 +25,16 @@ def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
         work += "; time ran out before the bounds were tight"
     if key == "worst":
         first = f"worst {bound_text(max(bounds.high, -bounds.low))} (proved)"
-        return [first, f"  near {written(bounds.at_worst)}", f"  {work}"]
+        return [first, f"  near {point_text(bounds.at_worst)}", f"  {work}"]
     quantity = f"{output}" if key == "range" else f"slope of {output} along {key}"
     where = " where it has a value" if bounds.hole else " (proved)"
     lines = [f"{quantity} in {bound_text((bounds.low, bounds.high))}{where}"]
     if bounds.hole:
         lines.append(f"  not proved: {bounds.hole}")
     if bounds.at_low:
-        lines.append(f"  lowest near {written(bounds.at_low)}")
+        lines.append(f"  lowest near {point_text(bounds.at_low)}")
     if bounds.at_high:
-        lines.append(f"  highest near {written(bounds.at_high)}")
+        lines.append(f"  highest near {point_text(bounds.at_high)}")
     return [*lines, f"  {work}"]
 
 
@@ -47,7 +47,7 @@ def sector_lines(output: str, sector: Sector) -> list[str]:
     ]
     for word, at in (("lowest", sector.at_low), ("highest", sector.at_high)):
         if at:
-            lines.append(f"  {word} near {written(at)}")
+            lines.append(f"  {word} near {point_text(at)}")
     if not sector.complete:
         lines.append("  time ran out before the bounds were tight")
     return [*lines, f"  {sector.pieces:,} pieces, in exact arithmetic"]

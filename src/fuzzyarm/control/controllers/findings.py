@@ -337,12 +337,14 @@ def _without_rule(text: ControllerText) -> Iterator[Diagnostic]:
                 yield from _not_a_number(axes, line, line.source.name, sheet)
 
 
-def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diagnostic]:
-    for signal, output in zip(line.names, sheet.outputs, strict=False):
+def _not_a_number(
+    axes: Axes, line: SignalLine, name: str, rulebase: RuleBase
+) -> Iterator[Diagnostic]:
+    for signal, output in zip(line.names, rulebase.outputs, strict=False):
         if output.no_rule == "hold" or not math.isnan(_value_for_no_rule(output)):
             continue
         try:
-            at = silent_point(output, Subject(sheet, Document(())))
+            at = silent_point(output, Subject(rulebase, Document(())))
         except GaveUpError:  # reported by the check of the rule base
             continue
         if at is None:

@@ -107,16 +107,16 @@ class Floats(Algebra[float]):
         """Return the value of an expression."""
         return float(evaluate(root, values))
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, float]) -> list[float]:
         """Return the outputs of a rule base."""
-        return [float(value) for value in infer(silent(sheet), inputs).values()]
+        return [float(value) for value in infer(silent(rulebase), inputs).values()]
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, float]) -> float:
+    def table(self, table: LookupTable, inputs: Mapping[str, float]) -> float:
         """Return the value of a lookup table, rounded as a gain."""
         if not self.arithmetic.single:
-            return float(sheet.lookup(*inputs.values()))
-        stored = np.array([self.rounded(x) for x in sheet.values.ravel().tolist()])
-        held = replace(sheet, values=stored.reshape(sheet.values.shape))
+            return float(table.lookup(*inputs.values()))
+        stored = np.array([self.rounded(x) for x in table.values.ravel().tolist()])
+        held = replace(table, values=stored.reshape(table.values.shape))
         return float(held.lookup(*inputs.values()))
 
     # --- stored values ---

@@ -294,11 +294,11 @@ class Algebra(Generic[T]):
         """Return the value of an expression for values of its symbols."""
         raise NotImplementedError
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, T]) -> list[T]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, T]) -> list[T]:
         """Return the outputs of a rule base."""
         raise NotImplementedError
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, T]) -> T:
+    def table(self, table: LookupTable, inputs: Mapping[str, T]) -> T:
         """Return the value of a lookup table."""
         raise NotImplementedError
 

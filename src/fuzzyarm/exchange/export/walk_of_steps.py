@@ -471,14 +471,14 @@ class Lines(Algebra[Node]):
 
     # --- tables ---
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Node]) -> Node:
+    def table(self, table: LookupTable, inputs: Mapping[str, Node]) -> Node:
         """Ask a table."""
         line = self.period.line
         assert isinstance(line, SignalLine)
         assert line.source is not None
         names = tuple(self._input(value) for value in inputs.values())
         local = self._local()
-        self.result.steps.append(Ask(local, self._table(line.source.name, sheet, names), names))
+        self.result.steps.append(Ask(local, self._table(line.source.name, table, names), names))
         return symbol(local)
 
     def learned(self, call: Call[Node], table: LookupTable, inputs: Mapping[str, Node]) -> Node:

@@ -103,7 +103,7 @@ class RuleBands:
         """For each coefficient: an index of its tensor, γⱼ/d, and the coefficient of γ − eⱼ."""
         below = list(combinations_with_replacement(range(self.count), self.degree - 1))
         above = list(combinations_with_replacement(range(self.count), self.degree))
-        places = {index: k for k, index in enumerate(below)}
+        positions = {index: k for k, index in enumerate(below)}
         shares = np.zeros((len(above), self.count))
         sources = np.zeros((len(above), self.count), dtype=np.int64)
         for row, index in enumerate(above):
@@ -111,7 +111,7 @@ class RuleBands:
                 rest = list(index)
                 rest.remove(corner)
                 shares[row, corner] = index.count(corner) / self.degree
-                sources[row, corner] = places[tuple(rest)]
+                sources[row, corner] = positions[tuple(rest)]
         return above, shares, sources
 
     # --- questions ---
@@ -130,8 +130,8 @@ class RuleBands:
                 low[k], high[k] = np.clip(low[k], first, last), np.clip(high[k], first, last)
             beyond = ~((low[k] >= first) & (high[k] <= last))
             jumps = np.zeros(shape, dtype=bool)
-            for place in self.jumps[k]:
-                jumps |= (low[k] <= place) & (place <= high[k])
+            for position in self.jumps[k]:
+                jumps |= (low[k] <= position) & (position <= high[k])
             if beyond.any():
                 self.why = f"'{variable.name}' may be outside its range, where nothing is known"
             if jumps.any():
@@ -175,19 +175,19 @@ class RuleBands:
         # The corners of the smaller simplex: one share gets all of the remainder, rounded up.
         left = room + self.count * BEYOND
         corners = shares[:, None, :] - BEYOND + left[:, None, None] * np.eye(self.count)
-        upper = _turned(self.upper[piece], corners)
-        lower = _turned(self.lower[piece], corners)
+        upper = _in_new_corners(self.upper[piece], corners)
+        lower = _in_new_corners(self.lower[piece], corners)
         index, parts, sources = self._lattice
-        upper = _picked(upper, index)
+        upper = _entries(upper, index)
         below = list(combinations_with_replacement(range(self.count), self.degree - 1))
-        lower = _picked(lower, below)
+        lower = _entries(lower, below)
         spread = lower[:, sources] * parts  # (pairs, coefficients, corners)
         raised = spread.sum(axis=2)
-        places = corners @ self.corners[piece]  # (pairs, corners, inputs)
+        positions = corners @ self.corners[piece]  # (pairs, corners, inputs)
         ends = [index.index((k,) * self.degree) for k in range(self.count)]
         heights = upper[:, ends] / raised[:, ends]
-        slopes = self._planes(box, boxes, low, high, places, heights)
-        line = _sum(places[:, :, k] * slopes[k, box][:, None] for k in range(self.size))
+        slopes = self._planes(box, boxes, low, high, positions, heights)
+        line = _sum(positions[:, :, k] * slopes[k, box][:, None] for k in range(self.size))
         gap = upper - (spread * line[:, None, :]).sum(axis=2)
         reach = (np.abs(self.corners[piece]).max(axis=1).T * np.abs(slopes[:, box])).sum(axis=0)
         size = self.sizes[0][piece] + (reach + np.abs(line).max(axis=1)) * self.sizes[1][piece]
@@ -222,7 +222,7 @@ class RuleBands:
         return np.where(apart[:, None], np.inf, np.clip(least, 0.0, 1.0))
 
     def _planes(
-        self, box: NDArray[np.int64], boxes: int, low: Vector, high: Vector, places: Vector,
+        self, box: NDArray[np.int64], boxes: int, low: Vector, high: Vector, positions: Vector,
         heights: Vector,
     ) -> Vector:  # fmt: skip
         """Return slopes of planes near some points, by least squares: any are sound."""
@@ -230,7 +230,7 @@ class RuleBands:
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         wide = np.array([last - first for first, last in self.ends])[:, None]
         half = np.maximum(half, 1e-9 * wide)
-        near = (places - middle.T[box][:, None, :]) / half.T[box][:, None, :]
+        near = (positions - middle.T[box][:, None, :]) / half.T[box][:, None, :]
         heights = np.where(np.isfinite(heights), heights, 0.0)
         columns = np.concatenate([near, np.ones((*near.shape[:2], 1))], axis=2)
         rows, right = np.zeros((boxes, n + 1, n + 1)), np.zeros((boxes, n + 1))
@@ -248,7 +248,7 @@ def _sum(terms: Iterable[Vector]) -> Vector:
     return functools.reduce(np.add, terms)
 
 
-def _turned(tensors: Vector, corners: Vector) -> Vector:
+def _in_new_corners(tensors: Vector, corners: Vector) -> Vector:
     """Return tensors in the coordinates of new corners: their shares applied to each index."""
     shape = tensors.shape
     for _ in shape[1:]:
@@ -257,7 +257,7 @@ def _turned(tensors: Vector, corners: Vector) -> Vector:
     return tensors
 
 
-def _picked(tensors: Vector, indices: Sequence[tuple[int, ...]]) -> Vector:
+def _entries(tensors: Vector, indices: Sequence[tuple[int, ...]]) -> Vector:
     """Return selected entries of each tensor."""
-    places = np.ravel_multi_index(tuple(np.transpose(indices)), tensors.shape[1:])
-    return np.asarray(tensors.reshape(len(tensors), -1)[:, places])
+    positions = np.ravel_multi_index(tuple(np.transpose(indices)), tensors.shape[1:])
+    return np.asarray(tensors.reshape(len(tensors), -1)[:, positions])

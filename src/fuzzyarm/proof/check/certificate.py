@@ -376,20 +376,20 @@ class Field:
     """A value in a certificate's file with its path there, such as ``p[0][1]``."""
 
     file: str
-    place: str
+    path: str
     value: Any
 
     def refuse(self, what: str) -> NoReturn:
         """Refuse the file: this field is wrong."""
-        where = f"'{self.place}' {what}" if self.place else f"it {what}"
+        where = f"'{self.path}' {what}" if self.path else f"it {what}"
         raise CertificateError(f"{self.file} is not a certificate: {where}")
 
     def __getitem__(self, name: str) -> Field:
         value = self._of(dict, "an object")
-        place = f"{self.place}.{name}" if self.place else name
+        path = f"{self.path}.{name}" if self.path else name
         if name not in value:
-            Field(self.file, place, None).refuse("is missing")
-        return Field(self.file, place, value[name])
+            Field(self.file, path, None).refuse("is missing")
+        return Field(self.file, path, value[name])
 
     def has(self, name: str) -> bool:
         """Return whether an object has a field."""
@@ -397,7 +397,7 @@ class Field:
 
     def __iter__(self) -> Iterator[Field]:
         for k, value in enumerate(self._of(list, "a list")):
-            yield Field(self.file, f"{self.place}[{k}]", value)
+            yield Field(self.file, f"{self.path}[{k}]", value)
 
     def items(self) -> list[tuple[str, Field]]:
         """Return the fields of an object by name."""

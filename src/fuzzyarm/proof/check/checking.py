@@ -584,21 +584,21 @@ def _coverage(problem: LoopProblem, certificate: Certificate) -> Fraction:
 
 def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) -> Fraction:
     """Return the share of a window covered by the union of boxes, rounded down, cell by cell."""
-    places, lengths = [], []
+    ranges, lengths = [], []
     for axis, (low, high) in enumerate(window.values()):
         first, last = Fraction(low), Fraction(high)
         ends = {first, last, *lows[:, axis], *highs[:, axis]}
         cuts = sorted(x for x in ends if first <= x <= last)
-        place = {x: k for k, x in enumerate(cuts)}
-        places.append([
-            [place[min(max(x, first), last)] for x in side[:, axis]] for side in (lows, highs)
+        cell_of = {x: k for k, x in enumerate(cuts)}
+        ranges.append([
+            [cell_of[min(max(x, first), last)] for x in side[:, axis]] for side in (lows, highs)
         ])  # fmt: skip
         lengths.append([(b - a) / (last - first) for a, b in pairwise(cuts)])
     if math.prod(map(len, lengths)) > MOST_CELLS:
         raise LoopProofError("its boxes make too fine a grid")
     inside = np.zeros(tuple(map(len, lengths)), dtype=bool)
     for row in range(len(lows)):
-        inside[tuple(slice(begin[row], end[row]) for begin, end in places)] = True
+        inside[tuple(slice(begin[row], end[row]) for begin, end in ranges)] = True
     if inside.all():
         return Fraction(1)
     if inside.size <= MOST_EXACT_CELLS:

@@ -70,7 +70,7 @@ class Truth(NamedTuple):
         """Return a where it holds, b where it fails, and a hull of both where it is open."""
         apart = combined((a, 0.5), (b, -0.5)).size
         hull = combined((a, 0.5), (b, 0.5), (numbers.at(0.0, apart), 1.0))
-        hull = numbers.kept(hull, ~(self.yes | self.no))
+        hull = numbers.with_rest_symbol(hull, ~(self.yes | self.no))
         return _selected(self.yes, a, _selected(self.no, b, hull))
 
 
@@ -198,7 +198,7 @@ class FormNumbers:
         """Return a number of the program."""
         return self.at(value)
 
-    def kept(self, form: Form, which: Any = True) -> Form:
+    def with_rest_symbol(self, form: Form, which: Any = True) -> Form:
         """Return a form with its remainder as a symbol, shared by all values computed from it."""
         rest = np.where(which, form.rest, 0.0)
         if not rest.any():
@@ -237,7 +237,7 @@ class FormNumbers:
         for x, factor, fixed in ((a, b, still[1]), (b, a, still[0])):
             if fixed.any():
                 product = _selected(fixed, combined((x, factor.centre)), product)
-        return self.kept(product, ~(still[0] | still[1]))
+        return self.with_rest_symbol(product, ~(still[0] | still[1]))
 
     def _extreme(self, a: Form, b: Form, sign: float) -> Form:
         """Return max(a, b) or min(a, b): the operand itself where a set decides which."""
@@ -259,7 +259,7 @@ class FormNumbers:
         # For any λ: max(x, 0) − λ x is from 0 to the larger of −λ low and (1 − λ) high.
         most = np.maximum(-share * low, (1.0 - share) * high)
         half = np.where(open_, 0.5 * most * ENLARGED, np.where(known, 0.0, np.inf))
-        return self.kept(combined((x, share), (self.at(half, half), 1.0)))
+        return self.with_rest_symbol(combined((x, share), (self.at(half, half), 1.0)))
 
     def _compared(self, operation: str, a: Form, b: Form) -> Truth | bool:
         """Return a < b, a ≤ b or a = b, for each set."""
@@ -291,7 +291,7 @@ class FormNumbers:
             if slope is not None:
                 away = Form(np.zeros_like(x.centre), x.weights, x.rest)
                 terms.append((away, Spans.of(slope)))
-        return self.kept(_selected(still, self.of(at), combined(*terms)), ~still)
+        return self.with_rest_symbol(_selected(still, self.of(at), combined(*terms)), ~still)
 
     def limit(self, x: Form, low: float, high: float) -> Form:
         """Return ``min(max(x, low), high)``."""
@@ -310,12 +310,12 @@ class FormNumbers:
                 total = combined((total, 1.0), (self._extreme(beyond, nothing, 1.0), sign))
         return total
 
-    def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Form]) -> Form:
+    def rules(self, rulebase: RuleBase, output: str, inputs: Mapping[str, Form]) -> Form:
         """Return the conclusion of a rule base: a plane, and a band around it."""
-        key = id(sheet), output
+        key = id(rulebase), output
         if key not in self._bands:
-            self._bands[key] = RuleBands(self.surfaces(sheet, output))
-        brought = [self._brought(inputs[v.name], v) for v in sheet.inputs]
+            self._bands[key] = RuleBands(self.surfaces(rulebase, output))
+        brought = [self._into_range(inputs[v.name], v) for v in rulebase.inputs]
         slopes, low, high = self._bands[key].band([x.span for x in brought])
         known = np.isfinite(low) & np.isfinite(high)
         if not known.all():
@@ -323,21 +323,21 @@ class FormNumbers:
             self.lost = self.lost | ~known
         band = Spans(low, high)
         base = self.at(band.mid().low, band.rad().low)
-        return self.kept(combined(*zip(brought, slopes, strict=True), (base, 1.0)))
+        return self.with_rest_symbol(combined(*zip(brought, slopes, strict=True), (base, 1.0)))
 
-    def _brought(self, x: Form, variable: Variable) -> Form:
+    def _into_range(self, x: Form, variable: Variable) -> Form:
         """Return an input brought into its universe."""
         if variable.outside == "clamp":
             return self.limit(x, variable.low, variable.high)
         return x
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Form]) -> Form:
+    def table(self, table: LookupTable, inputs: Mapping[str, Form]) -> Form:
         """Refuse a table."""
         raise SpanError("a table is not followed")
 
     def fewer(self, forms: Sequence[Form], most: int) -> list[Form]:
         """Return sets with fewer symbols: the smallest become a box (order reduction of Girard)."""
-        forms = [self.kept(form) for form in forms]
+        forms = [self.with_rest_symbol(form) for form in forms]
         weights = np.stack([form.over(self.symbols) for form in forms])  # (values, symbols, sets)
         if not self.symbols:
             return forms

@@ -225,19 +225,19 @@ class LinearSignals:
     # --- rule bases and tables ---
 
     def rules(
-        self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
+        self, rulebase: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
     ) -> LinearSignal:
         """Return a conclusion of a rule base, from the claimed bounds."""
-        surface = self.surfaces(sheet, output)
+        surface = self.surfaces(rulebase, output)
         rest = {name: (_exactly(least(x.rest)), _exactly(greatest(x.rest)))
                 for name, x in inputs.items()}  # fmt: skip
         if not any(x.parts for x in inputs.values()):
             return number_line(surface.value(rest))
         claim = self._claim()
-        region = self._region(claim, inputs, rest, sheet.name)
+        region = self._region(claim, inputs, rest, rulebase.name)
         between_ends = exact(claim.between[0]), exact(claim.between[1])
         if not surface.has_range(region, *between_ends):
-            raise LoopProofError(f"'{sheet.name}' leaves the range that is claimed of it")
+            raise LoopProofError(f"'{rulebase.name}' leaves the range that is claimed of it")
         if claim.weights:
             if not all(inputs[name].rest == 0 for name in claim.weights):
                 raise LoopProofError("a sector is of inputs that rest at 0")
@@ -245,29 +245,29 @@ class LinearSignals:
             low, high = map(exact, claim.gains[""])
             weights = {name: exact(weight) for name, weight in claim.weights.items()}
             if not surface.has_sector(region, weights, low, high):
-                raise LoopProofError(f"'{sheet.name}' leaves the sector that is claimed of it")
+                raise LoopProofError(f"'{rulebase.name}' leaves the sector that is claimed of it")
             total = combined((inputs[name].parts, weight) for name, weight in weights.items())
-            parts = self._gain(total, low, high, f"{sheet.name}, a gain in")
+            parts = self._gain(total, low, high, f"{rulebase.name}, a gain in")
             return LinearSignal(ZERO, parts, *between_ends)
         terms = []
         for name, x in inputs.items():
             if x.parts:
                 low, high = map(exact, claim.gains[name])
                 if not surface.has_slope(region, name, low, high):
-                    raise LoopProofError(f"'{sheet.name}' is steeper than is claimed of it")
-                words = f"{sheet.name}, its slope along {name} in"
+                    raise LoopProofError(f"'{rulebase.name}' is steeper than is claimed of it")
+                words = f"{rulebase.name}, its slope along {name} in"
                 terms.append((self._gain(x.parts, low, high, words), ONE))
         return LinearSignal(surface.value(rest), combined(terms), *between_ends)
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
+    def table(self, table: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
         """Return the value of a table, from the claimed bounds."""
-        if sheet.default_mode != "linear":
+        if table.default_mode != "linear":
             raise LoopProofError("a table with steps jumps")
         claim = self._claim() if any(x.parts for x in inputs.values()) else None
-        values = np.asarray(sheet.values, float)
+        values = np.asarray(table.values, float)
         index, terms = [], []
         for axis, (name, x) in enumerate(inputs.items()):
-            levels = [exact(float(level)) for level in sheet.axes[axis].levels]
+            levels = [exact(float(level)) for level in table.axes[axis].levels]
             if not is_point(x.rest) or not any(x.rest == level for level in levels):
                 raise LoopProofError("at rest an input of a table is between two levels")
             index.append(next(k for k, level in enumerate(levels) if x.rest == level))
@@ -356,7 +356,7 @@ class Unchecked(LinearSignals):
         self.record: list[Any] = []
 
     def rules(
-        self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
+        self, rulebase: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
     ) -> LinearSignal:
         """Record the inputs of a rule base; answer with a sum of them."""
         self.record.append(dict(inputs))
@@ -369,6 +369,6 @@ class Unchecked(LinearSignals):
         self.record.append(x)
         return x
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
+    def table(self, table: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
         """Record the inputs of a table."""
-        return self.rules(sheet, "", inputs)  # type: ignore[arg-type]
+        return self.rules(table, "", inputs)  # type: ignore[arg-type]

@@ -222,7 +222,7 @@ class _Derivation:
         centre = {name: exact(self.evidence.rest[name][0]) for name in self.names}
         doubt = {name: exact(self.evidence.rest[name][1]) for name in self.names}
         if not any(doubt.values()):
-            if not all(rate.value == 0 for rate in self._steered(centre, {})):
+            if not all(rate.value == 0 for rate in self._residuals(centre, {})):
                 raise LoopProofError("the loop does not rest at the stated point")
             return centre
         if not all(far > 0 for far in doubt.values()):
@@ -232,7 +232,7 @@ class _Derivation:
             raise LoopProofError("that there is a rest in its interval is not proved")
         return {name: around(centre[name], doubt[name]) for name in self.names}
 
-    def _steered(self, at: Mapping[str, Number], directions: Directions) -> list[Slope]:
+    def _residuals(self, at: Mapping[str, Number], directions: Directions) -> list[Slope]:
         """Return the rates of the plant and the increments of the memory: 0 at rest."""
         values = {n: Slope(x, directions.get(n, {})) for n, x in at.items()}
         plant = self._plant_values(values)
@@ -267,7 +267,7 @@ class _Derivation:
         centre = {name: exact(rest[name][0]) for name in names}
         doubt = {name: exact(rest[name][1]) for name in names}
         box = {name: around(centre[name], far) for name, far in doubt.items()}
-        f = [[slope.value] for slope in self._steered(centre, {})]
+        f = [[slope.value] for slope in self._residuals(centre, {})]
         plain: Directions = {name: {name: ONE} for name in names}
         jacobian = self._jacobian(box, plain)
         found = _radii_of_rest(f, jacobian, list(doubt.values()))
@@ -286,7 +286,7 @@ class _Derivation:
         return {name: far + more for name, far, more in zip(names, found, wider, strict=True)}
 
     def _jacobian(self, box: Mapping[str, Number], directions: Directions) -> Matrix:
-        slopes = self._steered(box, directions)
+        slopes = self._residuals(box, directions)
         return [[slope.along.get(name, ZERO) for name in self.names] for slope in slopes]
 
     def _followed(self, jacobian: Matrix) -> Directions:

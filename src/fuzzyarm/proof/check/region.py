@@ -269,7 +269,7 @@ def quadratic_at(p: Rows, z: Sequence[Number]) -> Number:
     return sum(terms, ZERO)
 
 
-def faded(rate: Fraction, periods: int) -> Number:
+def decay(rate: Fraction, periods: int) -> Number:
     """Return an upper bound of the factor on V over some periods."""
     return greatest(arb(ONE - exact(rate)) ** periods)
 
@@ -575,7 +575,7 @@ def outside(
         return "a claim about an output is proved of the sampled loop"
     periods = max(claimed_in(problem, claim).first - begun, 0)
     try:
-        level = greatest(arb(faded(region.rate, periods) * level * exact(region.growth)))
+        level = greatest(arb(decay(region.rate, periods) * level * exact(region.growth)))
         span = claimed_within(problem, loop, region.p, level, claim)
     except LoopProofError as error:
         return str(error)

@@ -596,9 +596,9 @@ class RuleSurfaces:
     def __init__(self) -> None:
         self._surfaces: dict[tuple[int, str], RuleSurface] = {}
 
-    def __call__(self, sheet: RuleBase, output: str) -> RuleSurface:
+    def __call__(self, rulebase: RuleBase, output: str) -> RuleSurface:
         """Return the surface of an output."""
-        key = id(sheet), output
+        key = id(rulebase), output
         if key not in self._surfaces:
-            self._surfaces[key] = RuleSurface(sheet, output)
+            self._surfaces[key] = RuleSurface(rulebase, output)
         return self._surfaces[key]

@@ -238,10 +238,10 @@ class SlopeNumbers:
         """Return the change of x by a limit."""
         return value.joined(x.scaled(x.value, -ONE), value.value - x.value)
 
-    def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Slope]) -> Slope:
+    def rules(self, rulebase: RuleBase, output: str, inputs: Mapping[str, Slope]) -> Slope:
         """Return a conclusion of a rule base."""
-        surface = self.surfaces(sheet, output)
-        inputs = {v.name: self._brought(inputs[v.name], v) for v in sheet.inputs}
+        surface = self.surfaces(rulebase, output)
+        inputs = {v.name: self._into_range(inputs[v.name], v) for v in rulebase.inputs}
         moving = [name for name, x in inputs.items() if x.along]
         if not moving and all(isinstance(x.value, fmpq) for x in inputs.values()):
             return Slope(surface.value({n: (x.value, x.value) for n, x in inputs.items()}), {})
@@ -252,7 +252,7 @@ class SlopeNumbers:
             result = result.joined(inputs[name].scaled(value, slopes[name]), value)
         return result
 
-    def _brought(self, x: Slope, variable: Variable) -> Slope:
+    def _into_range(self, x: Slope, variable: Variable) -> Slope:
         """Return an input brought into its universe."""
         if variable.outside == "clamp":
             return self.limit(x, variable.low, variable.high)
@@ -262,6 +262,6 @@ class SlopeNumbers:
             raise SpanError(f"'{variable.name}' may be outside its range, where there is no value")
         return x
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Slope]) -> Slope:
+    def table(self, table: LookupTable, inputs: Mapping[str, Slope]) -> Slope:
         """Refuse a table."""
         raise SpanError("a table where the rest is not rational")

@@ -265,8 +265,8 @@ class Spans:
         """Return sine or cosine: between the values at the ends, or to a maximum or minimum."""
         first, last = (_taylor(name, end) for end in (self.low, self.high))
         low, high = np.minimum(first, last) - OFF, np.maximum(first, last) + OFF
-        for place, value in WAVES[name]:  # rounded by less than 1e-15
-            there = (self.low <= place + 1e-15) & (self.high >= place - 1e-15)
+        for position, value in WAVES[name]:  # rounded by less than 1e-15
+            there = (self.low <= position + 1e-15) & (self.high >= position - 1e-15)
             low = np.where(there & (value < 0), -1.0, low)
             high = np.where(there & (value > 0), 1.0, high)
         return Spans(np.maximum(low, -1.0), np.minimum(high, 1.0))

@@ -173,7 +173,7 @@ class Follower:
                 for address, x in sampled_references(self.problem, period).items()
             },
         )
-        drives = [self.numbers.kept(inputs[address]) for address in interface.inputs]
+        drives = [self.numbers.with_rest_symbol(inputs[address]) for address in interface.inputs]
         return drives, [after[name] for name in self.memory]
 
     def _bounded(self, states: Sequence[Form]) -> Flags:
@@ -202,7 +202,7 @@ class Follower:
                 for wide in (True, False)
             )  # fmt: skip
             row = [over.along.get(key, ZERO) for key in equations.states]
-            outputs.append(self.numbers.kept(self._moved([row], states, [at.value])[0]))
+            outputs.append(self.numbers.with_rest_symbol(self._moved([row], states, [at.value])[0]))
         return outputs
 
     def _moved(self, matrix: Matrix, forms: Sequence[Form], ends: Sequence[Number]) -> list[Form]:
@@ -223,7 +223,7 @@ class Follower:
         span = self._within(states, drives, port, period) if port else None
         x, u = [_point(s) for s in states], [_point(s) for s in drives]
         if self._flow is not None:
-            flow, ends = self._flow[0], self._ahead(x, u)
+            flow, ends = self._flow[0], self._affine_end(x, u)
         else:
             moving = self._around([s.span for s in states], [s.span for s in drives])
             flow = flow_over(jacobian_of(problem, moving), exact(problem.period))
@@ -241,7 +241,7 @@ class Follower:
     def _around(self, states: Sequence[Number], inputs: Sequence[Number]) -> dict[str, Number]:
         return around_motion(self.problem, self._symbols(states, inputs))
 
-    def _ahead(self, x: Sequence[Number], u: Sequence[Number]) -> list[Number]:
+    def _affine_end(self, x: Sequence[Number], u: Sequence[Number]) -> list[Number]:
         """Return the state of an affine plant one period later, from one point."""
         assert self._flow is not None
         values = {k: Slope(value, {}) for k, value in self._symbols(x, u).items()}
@@ -281,7 +281,7 @@ class Follower:
         last = np.asarray(periods, dtype=np.int64)
         for begin in range(0, len(boxes), AT_ONCE):
             which = np.arange(begin, min(begin + AT_ONCE, len(boxes)))
-            waiting = [_Group(which, self._begin(boxes[begin : begin + AT_ONCE]), 0)]
+            waiting = [_Group(which, self.start_forms(boxes[begin : begin + AT_ONCE]), 0)]
             while waiting:
                 check_time()
                 group = waiting.pop()
@@ -289,7 +289,7 @@ class Follower:
                 self.numbers.symbols = max(len(form.weights) for form in group.now)
                 self.walk.at = ""
                 try:
-                    later = self._later(group, last, task, numbers, found)
+                    later = self._after_period(group, last, task, numbers, found)
                 except (LoopProofError, ZeroDivisionError) as error:
                     if len(group.which) == 1:
                         of = f"'{self.walk.at}': " * bool(self.walk.at)
@@ -302,7 +302,7 @@ class Follower:
                     waiting.append(later)
         return found
 
-    def _later(
+    def _after_period(
         self, group: _Group, last: Index, task: Task, numbers: Index | None,
         found: list[Followed],
     ) -> _Group | None:  # fmt: skip
@@ -322,25 +322,25 @@ class Follower:
         lost = ~(arrived | late | self._bounded(now[: len(self.problem.states)]))
         for i in which[lost]:
             found[int(i)] = Followed(k, "an output may be beyond its bound")
-        which, now = _stay(which, now, ~(arrived | late | lost))
+        which, now = _selected(which, now, ~(arrived | late | lost))
         if not len(which):
             return None
         self.numbers.sets = len(which)
-        which, now, span = self._further(which, now, k, port if counts else "", found)
+        which, now, span = self._advanced(which, now, k, port if counts else "", found)
         if span is not None and claim is not None:
             holds = np.broadcast_to(
                 (span.low >= claim.low) & (span.high <= claim.high), which.shape
             )
             for i in which[~holds]:
                 found[int(i)] = Followed(k, f"in period {k + 1} the claim is not shown")
-            which, now = _stay(which, now, holds)
+            which, now = _selected(which, now, holds)
             if k == end and not task.into:
                 for i in which:
                     found[int(i)] = Followed(k + 1)
                 return None
         return _Group(which, now, k + 1) if len(which) else None
 
-    def _further(
+    def _advanced(
         self, which: Index, now: Sequence[Form], k: int, port: str, found: list[Followed]
     ) -> tuple[Index, list[Form], Spans | None]:
         """Return bounded sets one period later with the range of a port; conclude the others."""
@@ -348,7 +348,7 @@ class Follower:
         lost = np.broadcast_to(self.numbers.lost, which.shape) | ~_finite(after)
         for i in which[lost]:
             found[int(i)] = Followed(k, self.numbers.why or "its sets have no bound")
-        which, now = _stay(which, self.numbers.fewer(after, MOST_SYMBOLS), ~lost)
+        which, now = _selected(which, self.numbers.fewer(after, MOST_SYMBOLS), ~lost)
         return which, now, None if span is None else span[~lost]
 
     def _arrived(self, group: _Group, last: Index, task: Task, numbers: Index | None) -> Flags:
@@ -381,7 +381,8 @@ class Follower:
                 arrived[i] = covered(box, *(ends[:count] for ends in task.boxes))
         return arrived
 
-    def _begin(self, boxes: Sequence[Box]) -> list[Form]:
+    def start_forms(self, boxes: Sequence[Box]) -> list[Form]:
+        """Return boxes of starts as forms, with the initial memory."""
         size = len(self.problem.states)
         if any(len(box) != size or any(low > high for low, high in box) for box in boxes):
             raise LoopProofError("it is not a box of the plant's states")
@@ -391,16 +392,16 @@ class Follower:
             ends = [Spans.of(exact(low)).union(exact(high))
                     for low, high in (box[k] for box in boxes)]  # fmt: skip
             side = Spans([x.low for x in ends], [x.high for x in ends])
-            forms.append(self.numbers.kept(self.numbers.of(side)))
+            forms.append(self.numbers.with_rest_symbol(self.numbers.of(side)))
         return [*forms, *(self.numbers.number(self.walk.states[name]) for name in self.memory)]
 
     # --- regions ---
 
     def _goal(self, haven: Haven) -> tuple[list[int], list[int], Any, float]:
         """Return the coordinates of z, of memory that must not move, F and s: P < (1 + s) FᵀF."""
-        places = {name: k for k, name in enumerate((*self.problem.states, *self.memory))}
+        order_of = {name: k for k, name in enumerate((*self.problem.states, *self.memory))}
         memory = haven.proof.evidence.memory
-        order = [places[memory.get(name, name)] for name in haven.proof.states]
+        order = [order_of[memory.get(name, name)] for name in haven.proof.states]
         plain = np.array([[float(x) for x in row] for row in haven.proof.p])
         scale = np.sqrt(np.diag(plain))  # units of states differ by orders of magnitude
         factor = np.linalg.cholesky(plain / scale[:, None] / scale[None, :]).T * scale[None, :]
@@ -411,7 +412,7 @@ class Follower:
             larger = [[square[i][j] * exact(1.0 + slack) - exact(haven.proof.p[i][j])
                        for j in size] for i in size]  # fmt: skip
             if is_positive_definite(larger):
-                return order, [places[name] for name in haven.loop.still], factor, slack
+                return order, [order_of[name] for name in haven.loop.still], factor, slack
         raise LoopProofError("the region is too flat for its factors as floats")
 
     def _level(self, number: int, now: Sequence[Form]) -> Vector:
@@ -446,7 +447,7 @@ def _finite(forms: Sequence[Form]) -> Flags:
     return np.asarray(np.all([np.isfinite(form.size) for form in forms], axis=0))
 
 
-def _stay(which: Index, now: Sequence[Form], stays: Flags) -> tuple[Index, list[Form]]:
+def _selected(which: Index, now: Sequence[Form], stays: Flags) -> tuple[Index, list[Form]]:
     if stays.all():
         return which, list(now)
     return which[stays], [form.of(stays) for form in now]

@@ -42,10 +42,10 @@ class NumberSystem(Protocol):
     def excess(self, value: Any, x: Any, low: float, high: float) -> Any:
         """Return the change of x by a limit, which made it `value`."""
 
-    def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Any]) -> Any:
+    def rules(self, rulebase: RuleBase, output: str, inputs: Mapping[str, Any]) -> Any:
         """Return a conclusion of a rule base."""
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Any]) -> Any:
+    def table(self, table: LookupTable, inputs: Mapping[str, Any]) -> Any:
         """Return the value of a table."""
 
 
@@ -134,7 +134,7 @@ class ProgramWalk:
         self._cells = self._given(measurements, moved or {})
         for instruction, name in zip(_instructions(self._program), self._names, strict=True):
             self.at = name[1]
-            self._carry_out(*instruction)
+            self._execute(*instruction)
         self.at = ""
         drives: dict[Address, Any] = {}
         for address, cell in self._wiring.drives.items():
@@ -192,7 +192,7 @@ class ProgramWalk:
         if cell in self._cell_names:
             self._after[self._cell_names[cell]] = value
 
-    def _carry_out(self, operator: int, into: int, a: int, b: int, c: int) -> None:
+    def _execute(self, operator: int, into: int, a: int, b: int, c: int) -> None:
         """Execute one instruction; a, b and c are cells, or begins of lists."""
         if operator in _ARITHMETIC:
             value = self._load(a)
@@ -314,13 +314,16 @@ class ProgramWalk:
 
         return value(root)
 
-    def _chosen(self, value: Callable[[Node], Any], asked: Any, a: Node, b: Node) -> Any:
+    def _chosen(self, value: Callable[[Node], Any], test: Any, a: Node, b: Node) -> Any:
         """Return a where a condition holds, else b; (p < q ? p : q) is the smaller of both."""
-        compares = isinstance(asked, Apply) and asked.operation in ("less", "less_equal")
-        if compares and asked.arguments in ((a, b), (b, a)):
-            extreme = "minimum" if asked.arguments == (a, b) else "maximum"
-            return self._applied(apply(extreme, *asked.arguments), value)
-        condition = value(asked)
+        compares = isinstance(test, Apply) and test.operation in (
+            "less",
+            "less_equal",
+        )
+        if compares and test.arguments in ((a, b), (b, a)):
+            extreme = "minimum" if test.arguments == (a, b) else "maximum"
+            return self._applied(apply(extreme, *test.arguments), value)
+        condition = value(test)
         if isinstance(condition, bool):
             return value(a if condition else b)
         return condition.chosen(self._numbers, value(a), value(b))
@@ -345,7 +348,7 @@ class ProgramWalk:
             if sensor is not None:
                 if sensor.difference is not None:
                     value = self._rate(address, sensor.difference, measurements)
-                value = self._late(".".join(address), sensor.delay, value)
+                value = self._delayed(".".join(address), sensor.delay, value)
             measurements[address] = value
         return measurements
 
@@ -373,7 +376,7 @@ class ProgramWalk:
         count = whole_periods(actuator.dead_time, self.problem.period)
         return [f"{kind}:{'.'.join(address)}:{k + 1}" for k in range(count)]
 
-    def _late(self, label: str, delay: float, value: Any) -> Any:
+    def _delayed(self, label: str, delay: float, value: Any) -> Any:
         passed = value
         for k in range(whole_periods(delay, self.problem.period)):
             name = f"late:{label}:{k + 1}"

@@ -376,9 +376,9 @@ def loop_problem(
     alone = tuple(name for name in plant.states if name not in (start or {}))
     interface = site.interface
     signals = _signals(interface, set_point or {})
-    places = {name: interface.every_port(name) for name in sensors or {}}
-    _demand_once(places)
-    effective = {port: sensor for name, sensor in (sensors or {}).items() for port in places[name]}
+    by_name = {name: interface.every_port(name) for name in sensors or {}}
+    _demand_once(by_name)
+    effective = {port: sensor for name, sensor in (sensors or {}).items() for port in by_name[name]}
     for port, port_sensor in effective.items():
         if port_sensor.noise:
             label = interface.label(port)
@@ -419,10 +419,10 @@ def _demand_driven_from_zero(text: ControllerText, site: Site) -> None:
                 )
 
 
-def _demand_once(places: Mapping[str, list[Address]]) -> None:
+def _demand_once(by_name: Mapping[str, list[Address]]) -> None:
     """Refuse two values for one port, which may have two names."""
     seen: set[Address] = set()
-    for name, ports in places.items():
+    for name, ports in by_name.items():
         if seen & set(ports):
             raise ClaimError(f"'{name}' is said twice, by another name")
         seen |= set(ports)

@@ -279,13 +279,13 @@ class AffineAlgebra(LoopAlgebra[Affine]):
 
     # --- rule bases, tables, expressions ---
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, Affine]) -> list[Affine]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, Affine]) -> list[Affine]:
         """Return the conclusions of a rule base."""
-        return self._rules(self, sheet, inputs)
+        return self._rules(self, rulebase, inputs)
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Affine]) -> Affine:
+    def table(self, table: LookupTable, inputs: Mapping[str, Affine]) -> Affine:
         """Return the value of a table."""
-        return self._table(self, sheet, inputs)
+        return self._table(self, table, inputs)
 
     def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:
         """Return an expression that is affine, apart from choices decided at rest."""

@@ -123,12 +123,12 @@ class Zonotopes(LoopAlgebra[Number]):
         """Return ``x`` plus an unknown error of at most `size`."""
         return self.fresh(self.forms(x).within(size))
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
         """Return the conclusions of a rule base, output by output."""
         results: list[Number] = []
-        for output in sheet.outputs:
-            planes: RulePlanes = self.planes(sheet, output.name)
-            value = self._concluded(planes, [inputs[variable.name] for variable in sheet.inputs])
+        for output in rulebase.outputs:
+            planes: RulePlanes = self.planes(rulebase, output.name)
+            value = self._concluded(planes, [inputs[variable.name] for variable in rulebase.inputs])
             if planes.clamps:
                 value = self.fresh(clip(value, output.low, output.high))
             elif output.outside == "error" and not planes.prover.lies_between:
@@ -136,10 +136,10 @@ class Zonotopes(LoopAlgebra[Number]):
             results.append(value)
         return results
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Number]) -> Number:
+    def table(self, table: LookupTable, inputs: Mapping[str, Number]) -> Number:
         """Return the value of a lookup table."""
-        return self._asked(
-            TablePlanes(sheet).band, [self.forms(inputs[name]) for name in sheet.names]
+        return self._banded(
+            TablePlanes(table).band, [self.forms(inputs[name]) for name in table.names]
         )
 
     def _concluded(self, planes: RulePlanes, arguments: Sequence[Number]) -> Forms:
@@ -148,7 +148,7 @@ class Zonotopes(LoopAlgebra[Number]):
         grid = planes.grid if self.by_cells else None
         if grid is None:
             every = zip(arguments, variables, strict=True)
-            return self._asked(planes.band, [self._inside(x, variable) for x, variable in every])
+            return self._banded(planes.band, [self._inside(x, variable) for x, variable in every])
         for x, variable in zip(arguments, variables, strict=True):
             if variable.outside == "error":
                 _demand_inside(self.forms(x), variable)
@@ -158,7 +158,7 @@ class Zonotopes(LoopAlgebra[Number]):
         bands = grid.bands(inputs.centre, sides)
         if bands is None:
             every = zip(arguments, variables, strict=True)
-            return self._asked(planes.band, [self._inside(x, variable) for x, variable in every])
+            return self._banded(planes.band, [self._inside(x, variable) for x, variable in every])
         return self._on(inputs, bands.slopes, Forms.between(bands.low, bands.high))
 
     def _inside(self, x: Number, variable: Variable) -> Forms:
@@ -170,7 +170,7 @@ class Zonotopes(LoopAlgebra[Number]):
             return forms
         return self.fresh(clip(forms, variable.low, variable.high))
 
-    def _asked(self, band: Callable[[Zonotope], PlaneBand], arguments: Sequence[Forms]) -> Forms:
+    def _banded(self, band: Callable[[Zonotope], PlaneBand], arguments: Sequence[Forms]) -> Forms:
         """Return a value from the plane and the band of each box."""
         inputs = stacked(arguments)
         bands = [

@@ -169,7 +169,7 @@ class _Halving:
         """Accept the boxes that are followed to their end."""
         results = follow_tubes(self.follower, self.whole.claim, tubes)
         for tube, followed in zip(tubes, results, strict=True):
-            self._take(tube, followed)
+            self._accept(tube, followed)
         while self.whole.window and self.lost and self.found and not self.follower.memory:
             # In the map of a loop without memory, also boxes that lead into earlier ones.
             ends = ends_of_boxes([tube.box for tube in self.found])
@@ -179,11 +179,11 @@ class _Halving:
                 Task(boxes=ends, any_period=True),
             )  # fmt: skip
             for tube, followed in zip(waiting, results, strict=True):
-                self._take(tube, followed, joined=count)
+                self._accept(tube, followed, joined=count)
             if len(self.found) == count:
                 break
 
-    def _take(self, tube: TubeProof, followed: Followed, *, joined: int = 0) -> None:
+    def _accept(self, tube: TubeProof, followed: Followed, *, joined: int = 0) -> None:
         if not followed.against:
             del self.lost[tube]
             way = tube._replace(into=("tubes", joined)) if joined else tube

@@ -45,27 +45,27 @@ class Conclusions:
         self.is_exact = self.at_zero = True
         self._cache: dict[object, object] = {}
 
-    def _prover(self, sheet: RuleBase, output: str) -> Prover:
-        key = "prover", id(sheet), output
-        prover = self._kept(key, lambda: Prover(sheet, output, sampled=True))
+    def _prover(self, rulebase: RuleBase, output: str) -> Prover:
+        key = "prover", id(rulebase), output
+        prover = self._cached(key, lambda: Prover(rulebase, output, sampled=True))
         prover.stop = self.stop
         if prover.model is None:
             raise LoopProofError(
-                f"'{sheet.name}' is not made of straight pieces: {prover.reason}",
+                f"'{rulebase.name}' is not made of straight pieces: {prover.reason}",
                 hint="compile it to a table, interpolated linearly",
             )
         return prover
 
     def resting(
-        self, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+        self, algebra: AffineAlgebra, rulebase: RuleBase, inputs: Mapping[str, Affine]
     ) -> list[Affine]:
         """Return the linear law of a rule base, around its inputs at rest."""
         forms = []
         moving = {name: form for name, form in inputs.items() if not form.is_constant}
         if not self.at_zero:
             moving = {name: form.deviation for name, form in moving.items()}
-        for output in sheet.outputs:
-            prover = self._prover(sheet, output.name)
+        for output in rulebase.outputs:
+            prover = self._prover(rulebase, output.name)
             at = {name: form.constant for name, form in inputs.items()}
             if self.at_zero:
                 at |= dict.fromkeys(moving, ZERO)
@@ -78,25 +78,27 @@ class Conclusions:
         return forms
 
     def _slopes_at(self, prover: Prover, at: Mapping[str, float]) -> Slopes:
-        return self._kept(("slopes", id(prover), tuple(at.items())), lambda: slopes_at(prover, at))
+        return self._cached(
+            ("slopes", id(prover), tuple(at.items())), lambda: slopes_at(prover, at)
+        )
 
     def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
         self._demand_inside(prover, at)
-        value = self._kept(("value", id(prover), tuple(at.items())), lambda: prover.exactly(at))
+        value = self._cached(("value", id(prover), tuple(at.items())), lambda: prover.exactly(at))
         if value is None:
             raise LoopProofError("no rule fires at rest")
         return Fraction(value)
 
-    def _kept(self, key: object, find: Callable[[], T]) -> T:
+    def _cached(self, key: object, find: Callable[[], T]) -> T:
         """Return a cached value, computed on first use."""
         if key not in self._cache:
             self._cache[key] = find()
         return self._cache[key]  # type: ignore[return-value]
 
-    def near(self, sheet: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
+    def near(self, rulebase: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
         """Return an output at a point, by inference."""
-        self._demand_inside(self._prover(sheet, output), inputs)
-        return float(kept(sheet)(inputs)[output])
+        self._demand_inside(self._prover(rulebase, output), inputs)
+        return float(kept(rulebase)(inputs)[output])
 
     def _demand_inside(self, prover: Prover, at: Mapping[str, float | Fraction]) -> None:
         for name, low, high in self._universes(prover):
@@ -116,12 +118,12 @@ class Conclusions:
         """Return the function that bounds rule bases in a form."""
 
         def rules(
-            algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+            algebra: AffineAlgebra, rulebase: RuleBase, inputs: Mapping[str, Affine]
         ) -> list[Affine]:
-            signs = _noted(choice, algebra, sheet, inputs)
+            signs = _noted(choice, algebra, rulebase, inputs)
             return [
-                self._conclusion(choice, algebra, sheet, output.name, inputs, signs)
-                for output in sheet.outputs
+                self._conclusion(choice, algebra, rulebase, output.name, inputs, signs)
+                for output in rulebase.outputs
             ]
 
         return rules
@@ -130,19 +132,19 @@ class Conclusions:
         self,
         choice: Assumptions,
         algebra: AffineAlgebra,
-        sheet: RuleBase,
+        rulebase: RuleBase,
         output: str,
         inputs: Mapping[str, Affine],
         signs: Mapping[str, int],
     ) -> Affine:
         """Return an output as a known gain and blocks, around its inputs at rest."""
-        prover = self._prover(sheet, output)
+        prover = self._prover(rulebase, output)
         rest = {name: variable.constant for name, variable in inputs.items()}
         value = self._value_at(prover, rest)
         region = self._region(choice, algebra, prover, inputs, signs)
         key = "silent", id(prover), tuple(region.items())
-        if self._kept(key, lambda: prover.without_value(region)) is not None:
-            raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
+        if self._cached(key, lambda: prover.without_value(region)) is not None:
+            raise LoopProofError(f"'{rulebase.name}' has no rule for some of its inputs near rest")
         along = None
         # One gain along the linear law is tighter than one along each input; it needs f(0) = 0.
         if choice.along and self.is_exact and not any(rest.values()) and value == 0:
@@ -153,14 +155,14 @@ class Conclusions:
             sigma = Affine(ZERO)
             for name, weight in weights.items():
                 sigma = sigma.plus(inputs[name].deviation.scaled(weight))
-            parts = _gain(algebra, sigma, low, high, f"{sheet.name}, a gain in")
+            parts = _gain(algebra, sigma, low, high, f"{rulebase.name}, a gain in")
         else:
             weights, gains = {}, {}
             parts = Affine(ZERO)
             for name, variable in inputs.items():
                 if not variable.is_constant:
                     low, high = gains[name] = self._slopes(prover, region, name)
-                    words = f"{sheet.name}, its slope along {name} in"
+                    words = f"{rulebase.name}, its slope along {name} in"
                     parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
         # The range is kept as well: for large inputs it is tighter than gains times inputs.
         ends = self._range(prover, region)
@@ -207,7 +209,7 @@ class Conclusions:
     ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
         """Return the sector along the linear law: weights, least and greatest gain; or None."""
         key = "sector", id(prover), tuple(region.items())
-        return self._kept(key, lambda: self._new_sector(prover, region, names))
+        return self._cached(key, lambda: self._new_sector(prover, region, names))
 
     def _new_sector(
         self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
@@ -251,34 +253,34 @@ class Conclusions:
 
     def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
         """Return proved ends, cached under a key; a prover without time left proves none."""
-        bounds = self._kept(key, prove)
+        bounds = self._cached(key, prove)
         if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
             raise LoopProofError("time ran out before a rule base was bounded")
         return Fraction(bounds.low), Fraction(bounds.high)
 
     def resting_table(
-        self, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+        self, algebra: AffineAlgebra, table: LookupTable, inputs: Mapping[str, Affine]
     ) -> Affine:
         """Return a table at rest, as a number."""
         at = [
             float(variable.constant) if variable.is_constant else 0.0
             for variable in inputs.values()
         ]
-        return number(float(sheet.lookup(*at)))
+        return number(float(table.lookup(*at)))
 
     def tabled(self, choice: Assumptions) -> Tables:
         """Return the function that bounds tables in a form."""
 
         def table(
-            algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+            algebra: AffineAlgebra, table: LookupTable, inputs: Mapping[str, Affine]
         ) -> Affine:
-            return _table_form(choice, algebra, sheet, inputs)
+            return _table_form(choice, algebra, table, inputs)
 
         return table
 
 
 def _noted(
-    choice: Assumptions, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+    choice: Assumptions, algebra: AffineAlgebra, rulebase: RuleBase, inputs: Mapping[str, Affine]
 ) -> dict[str, int]:
     """Record the moving inputs of a rule base; return the side of its rest for each."""
     signs = dict.fromkeys(inputs, 0)
@@ -286,7 +288,7 @@ def _noted(
         if not x.is_constant:
             signs[name] = choice.signs[len(algebra.inputs)] if choice.signs else 0
             at = float(x.constant)
-            corners = {c for term in sheet.variable(name).terms for c in term.shape.parameters}
+            corners = {c for term in rulebase.variable(name).terms for c in term.shape.parameters}
             edge = at in corners and Fraction(at) == x.constant
             algebra.inputs.append((x.deviation, edge))
     return signs
@@ -314,20 +316,20 @@ def _gain(
 
 
 def _table_form(
-    choice: Assumptions, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+    choice: Assumptions, algebra: AffineAlgebra, table: LookupTable, inputs: Mapping[str, Affine]
 ) -> Affine:
     """Return an interpolated table as slopes along each input, around rest."""
-    if sheet.default_mode != "linear":
-        raise LoopProofError(f"a table with steps ('{sheet.default_mode}') jumps at rest")
+    if table.default_mode != "linear":
+        raise LoopProofError(f"a table with steps ('{table.default_mode}') jumps at rest")
     rest = [float(variable.constant) for variable in inputs.values()]
-    for axis, x, variable in zip(sheet.axes, rest, inputs.values(), strict=True):
+    for axis, x, variable in zip(table.axes, rest, inputs.values(), strict=True):
         exactly = Fraction(x) == variable.constant and not variable.doubt
         if not exactly or x not in axis.levels:  # its value would be rounded
             raise LoopProofError(f"at rest '{axis.name}' of a table is between two levels")
-    values = np.asarray(sheet.values, float)
+    values = np.asarray(table.values, float)
     total = Affine(ZERO)
     region, gains = {}, {}
-    for index, (axis, (name, form)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
+    for index, (axis, (name, form)) in enumerate(zip(table.axes, inputs.items(), strict=True)):
         if form.is_constant:
             continue
         levels = np.asarray(axis.levels, float)
@@ -345,7 +347,7 @@ def _table_form(
         gains[name] = (low, high)
         words = f"a table, its slope along {name} in"
         total = total.plus(_gain(algebra, form.deviation, low, high, words))
-    value = Fraction(float(sheet.lookup(*rest)))
+    value = Fraction(float(table.lookup(*rest)))
     ends = Fraction(float(values.min())), Fraction(float(values.max()))
     if gains:
         algebra.gains.append(Gains(region, ends, {}, gains))

@@ -54,19 +54,19 @@ def cone_forms(maker: FormMaker, choice: Assumptions, base: Form) -> list[Form]:
     which differ by cone.
     """
     signals: dict[tuple[Fraction, ...], int] = {}
-    places: list[tuple[int, int] | None] = []
+    signals_of: list[tuple[int, int] | None] = []
     for row, edge in zip(base.inputs, base.edges, strict=True):
         lead = next((x for x in row if x), None)
         if not edge or lead is None or any(row[base.size :]):
-            places.append(None)
+            signals_of.append(None)
             continue
         signal = tuple(x / lead for x in row)
-        places.append((signals.setdefault(signal, len(signals)), 1 if lead > 0 else -1))
+        signals_of.append((signals.setdefault(signal, len(signals)), 1 if lead > 0 else -1))
     if not 0 < len(signals) <= MOST_SIGNALS:
         return []
     forms = []
     for sides in product((1, -1), repeat=len(signals)):
-        signs = tuple(0 if place is None else sides[place[0]] * place[1] for place in places)
+        signs = tuple(0 if place is None else sides[place[0]] * place[1] for place in signals_of)
         forms.append(maker.form(replace(choice, signs=signs)))
     return forms
 
@@ -168,18 +168,18 @@ class _Search:
     def _falls(self) -> tuple[list[Inequality], list[tuple[int, list[tuple[int, int]]]]]:
         """Return the inequalities; and for each fall its first multiplier's index, and pairs."""
         count, size = len(self.basis), self._functions * len(self.basis)
-        places: list[tuple[int, list[tuple[int, int]]]] = []
+        signals_of: list[tuple[int, list[tuple[int, int]]]] = []
         width = size
         for cone, part in enumerate(self.parts):
             for goal in self._goals:
                 sides = len(self._side_rows(cone, goal))
                 pairs = [(i, j) for i in range(sides) for j in range(i)]
-                places.append((width, pairs))
+                signals_of.append((width, pairs))
                 width += part.blocks + len(pairs)
         self.width = width
         inequalities = []
         ways = product(enumerate(self.parts), self._goals)
-        for ((cone, part), goal), (begin, pairs) in zip(ways, places, strict=True):
+        for ((cone, part), goal), (begin, pairs) in zip(ways, signals_of, strict=True):
             n, m = self.n, part.blocks
             stay = np.hstack([np.eye(n), np.zeros((n, m))])
             parts = np.zeros((width, 1, n + m, n + m))
@@ -198,7 +198,7 @@ class _Search:
             # Short steps change V little: the scale of the decrease is factored out.
             pace = max(float(np.linalg.norm(part.move - stay)), 1e-9)
             inequalities.append(Inequality(np.zeros((1, n + m, n + m)), parts / pace))
-        return inequalities, places
+        return inequalities, signals_of
 
     def _bounds(self) -> list[Inequality]:
         """Return the inequalities that bound the functions, and keep multipliers at least 0."""
@@ -230,7 +230,7 @@ class _Search:
 
     def found(self, stop: Stop) -> Candidate | None:
         """Return the functions with a large start; None if none were found."""
-        falls, places = self._falls()
+        falls, signals_of = self._falls()
         inequalities = [*falls, *self._bounds()]
         count = len(self.basis)
         begin = np.concatenate([
@@ -246,10 +246,10 @@ class _Search:
             cost = np.zeros(self.width)
             cost[:count] = np.tensordot(self.basis, weight, 2)
             y = minimise(inequalities, cost, y, stop)
-        return self._candidate(y, places)
+        return self._candidate(y, signals_of)
 
     def _candidate(
-        self, y: Vector, places: Sequence[tuple[int, list[tuple[int, int]]]]
+        self, y: Vector, signals_of: Sequence[tuple[int, list[tuple[int, int]]]]
     ) -> Candidate:
         count = len(self.basis)
         functions = [
@@ -266,7 +266,7 @@ class _Search:
         for cone, part in enumerate(self.parts):
             falls = []
             for goal in self._goals:
-                falls.append(self._fall(y, part, goal, *places[fall]))
+                falls.append(self._fall(y, part, goal, *signals_of[fall]))
                 fall += 1
             function = own[cone] if self.own else start
             cones.append(Cone(self.gains[cone], function, tuple(falls)))

@@ -239,11 +239,11 @@ class Follower:
         self.reached = 0
         self._planes: dict[tuple[int, str], RulePlanes] = {}
 
-    def planes(self, sheet: RuleBase, output: str) -> RulePlanes:
+    def planes(self, rulebase: RuleBase, output: str) -> RulePlanes:
         """Return the planes of a rule base, cut once."""
-        key = id(sheet), output
+        key = id(rulebase), output
         if key not in self._planes:
-            self._planes[key] = RulePlanes(sheet, output)
+            self._planes[key] = RulePlanes(rulebase, output)
         return self._planes[key]
 
     # --- one batch ---
@@ -291,7 +291,7 @@ class Follower:
                 ):
                     joined = _joined(values, intervals)
                     found.append(self._with_errors(joined, begin, period + 1))
-                undone |= self._undone(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
+                undone |= self._violated(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
             if self.goal is not None:
                 signs = self.goal(period + 1, states, memory)
                 arrived |= signs > 0
@@ -325,7 +325,7 @@ class Follower:
         """Return states, inputs of the plant over the same symbols, and memory."""
         algebra = cast(Zonotopes, control.algebra)
         algebra.count = len(states.parts)
-        measurements = self._told(states, constants, period * self.period)
+        measurements = self._readings(states, constants, period * self.period)
         moved = self._moved_references(period, states.shape[1])
         inputs, after = control.run(measurements, memory, first=period == 0, moved=moved)
         drives = {
@@ -369,7 +369,7 @@ class Follower:
         periods = decimal(time) / decimal(self.period)
         return float(periods), SAME_TIME if periods.denominator == 1 else -SAME_TIME
 
-    def _undone(
+    def _violated(
         self, begin: float, end: float, between: Intervals, ends: Sequence[Intervals]
     ) -> NDArray[np.bool_]:
         """Return the boxes that violate a demand in a step; times in control periods."""
@@ -425,7 +425,7 @@ class Follower:
         low, high = [box.low[index] for box in boxes], [box.high[index] for box in boxes]
         return Forms.between(low, high).with_symbols(count, [index])
 
-    def _told(
+    def _readings(
         self, states: Forms, constants: Mapping[str, Forms], time: float
     ) -> dict[Address, Number]:
         batch = states.shape[1]
@@ -436,7 +436,7 @@ class Follower:
 
     def outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
         """Return the ranges of the outputs."""
-        outputs = self._told(states, constants, time)
+        outputs = self._readings(states, constants, time)
         return stacked([forms for forms in outputs.values() if isinstance(forms, Forms)]).bounds
 
     def _outputs_between(

@@ -144,8 +144,8 @@ def declining(
 
 def in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
     """Return inputs and answers of blocks in equal units, so that multipliers have one size."""
-    asked = np.maximum(np.linalg.norm(c[:, :n], axis=1), 1e-12)
-    units = np.sqrt(asked / np.maximum(np.linalg.norm(b, axis=0), 1e-12 * asked))
+    gains_in = np.maximum(np.linalg.norm(c[:, :n], axis=1), 1e-12)
+    units = np.sqrt(gains_in / np.maximum(np.linalg.norm(b, axis=0), 1e-12 * gains_in))
     c = c / units[:, None]
     c[:, n:] = c[:, n:] * units
     return b * units, c, units

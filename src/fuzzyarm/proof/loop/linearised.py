@@ -276,28 +276,28 @@ class _Slopes(LoopAlgebra[_Slope]):
             by = by + float(evaluate(node, at)) * values[name].by
         return _Slope(float(evaluate(root, at)), by)
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, _Slope]) -> list[_Slope]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, _Slope]) -> list[_Slope]:
         """Return the outputs of a rule base."""
-        ranges = {v.name: (v.low, v.high) for v in sheet.inputs}
-        clamped = [v.name for v in sheet.inputs if v.outside == "clamp"]
+        ranges = {v.name: (v.low, v.high) for v in rulebase.inputs}
+        clamped = [v.name for v in rulebase.inputs if v.outside == "clamp"]
         self._note_held(inputs, {name: ranges[name] for name in clamped})
 
         def value_of(output: str) -> Callable[[dict[str, float]], float]:
-            return lambda at: float(infer(sheet, at)[output])
+            return lambda at: float(infer(rulebase, at)[output])
 
         return [
-            self._sheet(sheet, output.name, inputs, ranges, value_of(output.name))
-            for output in sheet.outputs
+            self._sheet(rulebase, output.name, inputs, ranges, value_of(output.name))
+            for output in rulebase.outputs
         ]
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, _Slope]) -> _Slope:
+    def table(self, table: LookupTable, inputs: Mapping[str, _Slope]) -> _Slope:
         """Return the value of a table."""
-        if sheet.default_mode != "linear":
-            raise LoopProofError(f"a table with steps ('{sheet.default_mode}') has no slope")
-        ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in sheet.axes}
+        if table.default_mode != "linear":
+            raise LoopProofError(f"a table with steps ('{table.default_mode}') has no slope")
+        ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes}
         self._note_held(inputs, ranges)
         return self._sheet(
-            sheet, sheet.output, inputs, ranges, lambda at: sheet.lookup(*at.values())
+            table, table.output, inputs, ranges, lambda at: table.lookup(*at.values())
         )
 
     def _note_held(

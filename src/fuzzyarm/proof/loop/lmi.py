@@ -38,18 +38,18 @@ class Inequality:
 
     def at(self, y: Vector) -> Vector:
         """Return F(y), shape (r, n, n)."""
-        values = y[self.places] @ self.counted.reshape(len(self.places), self.constant.size)
+        values = y[self.unknowns] @ self.own_parts.reshape(len(self.unknowns), self.constant.size)
         return np.asarray(self.constant + values.reshape(self.constant.shape))
 
     @cached_property
-    def places(self) -> NDArray[np.int64]:
+    def unknowns(self) -> NDArray[np.int64]:
         """The indices of its unknowns."""
         return np.flatnonzero(self.parts.reshape(len(self.parts), -1).any(axis=1))
 
     @cached_property
-    def counted(self) -> Vector:
+    def own_parts(self) -> Vector:
         """The Fᵢ of its unknowns."""
-        return np.ascontiguousarray(self.parts[self.places])
+        return np.ascontiguousarray(self.parts[self.unknowns])
 
     @property
     def widened(self) -> Inequality:
@@ -60,7 +60,7 @@ class Inequality:
     @cached_property
     def block(self) -> tuple[NDArray[np.int64], ...]:
         """Rows and columns of its unknowns in a Hessian."""
-        return np.ix_(self.places, self.places)
+        return np.ix_(self.unknowns, self.unknowns)
 
 
 def merged(inequalities: Sequence[Inequality]) -> list[Inequality]:
@@ -68,7 +68,7 @@ def merged(inequalities: Sequence[Inequality]) -> list[Inequality]:
     alike: dict[object, list[Inequality]] = {}
     for inequality in inequalities:
         size = inequality.constant.shape[1]
-        key = (size, inequality.places.tobytes()) if size > 1 else 1
+        key = (size, inequality.unknowns.tobytes()) if size > 1 else 1
         alike.setdefault(key, []).append(inequality)
     return [
         Inequality(
@@ -156,9 +156,9 @@ def _newton(
     weighted += [(volume, weight)] if volume else []
     for inequality, times in weighted:
         half: Vector = np.linalg.inv(np.linalg.cholesky(inequality.at(y)))
-        parts = half @ inequality.counted @ half.swapaxes(1, 2)  # (k, r, n, n)
+        parts = half @ inequality.own_parts @ half.swapaxes(1, 2)  # (k, r, n, n)
         flat = parts.reshape(len(parts), -1)
-        gradient[inequality.places] -= times * np.einsum("krii->k", parts)
+        gradient[inequality.unknowns] -= times * np.einsum("krii->k", parts)
         hessian[inequality.block] += times * (flat @ flat.T)
         scaled.append(flat)
     # Multipliers differ by orders of magnitude: each coordinate is scaled by its curvature.
@@ -168,7 +168,7 @@ def _newton(
     decrement = math.sqrt(max(0.0, -float(gradient @ way)))
     # det F(y + α way) = det F(y) Π (1 + α λ).
     values = [
-        np.linalg.eigvalsh((way[x.places] @ flat).reshape(x.constant.shape)).ravel()
+        np.linalg.eigvalsh((way[x.unknowns] @ flat).reshape(x.constant.shape)).ravel()
         for (x, _), flat in zip(weighted, scaled, strict=True)
     ]
     shares = [np.full(len(x), times) for x, (_, times) in zip(values, weighted, strict=True)]

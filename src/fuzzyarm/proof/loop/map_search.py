@@ -301,13 +301,13 @@ class _Map:
         todo = worker.tiles(_remaining(worker.first, self.boxes))
         worker.learn(self.boxes)
         if (self.workers == 1 and self.search.executor is None) or len(todo) < 2:
-            rest = worker.mapped(dict.fromkeys(todo, ""), self.stop.left, self._heard)
+            rest = worker.mapped(dict.fromkeys(todo, ""), self.stop.left, self._report)
             self.work = self.stop.spent
         else:
             with self.crew:
                 rest = self._shared(packed(case), todo)
         late = "time ran out"
-        self._heard([mapped_box(box, OPEN, 0, reason or late) for box, reason in rest.items()])
+        self._report([mapped_box(box, OPEN, 0, reason or late) for box, reason in rest.items()])
 
     def _shared(self, content: bytes, boxes: Sequence[Box]) -> dict[Box, str]:
         """Let workers map boxes; each has the whole budget, minus the time used here."""
@@ -333,7 +333,7 @@ class _Map:
                     decided, undone, taken = task.result()
                 spent[slot] += taken
                 todo |= undone
-                self._heard(decided)
+                self._report(decided)
             if not todo:
                 break
         self.work += time.process_time() - begun + sum(spent)
@@ -344,7 +344,7 @@ class _Map:
             return list(boxes)
         return list(dict.fromkeys(each for box in boxes for each in (box, box.opposite)))
 
-    def _heard(self, boxes: Sequence[MappedBox]) -> None:
+    def _report(self, boxes: Sequence[MappedBox]) -> None:
         boxes = self._with_opposites(boxes)
         self.boxes += boxes
         if self.journal is not None:

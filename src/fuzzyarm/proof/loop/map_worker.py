@@ -174,19 +174,19 @@ class MapWorker:
         return float(np.linalg.norm(self.units @ (middle - self.middle)))
 
     def mapped(
-        self, boxes: Open, seconds: float, heard: Callable[[Sequence[MappedBox]], None]
+        self, boxes: Open, seconds: float, report: Callable[[Sequence[MappedBox]], None]
     ) -> dict[Box, str]:
         """Map boxes; report decided ones to `heard`, return those left when time is over."""
-        return _Mapping(self, boxes, heard).run(seconds)
+        return _Mapping(self, boxes, report).run(seconds)
 
 
 class _Mapping:
     """One piece of work."""
 
     def __init__(
-        self, worker: MapWorker, boxes: Open, heard: Callable[[Sequence[MappedBox]], None]
+        self, worker: MapWorker, boxes: Open, report: Callable[[Sequence[MappedBox]], None]
     ) -> None:
-        self.worker, self.heard = worker, heard
+        self.worker, self.report = worker, report
         self.queue: list[tuple[int, float, int, Box, str]] = []
         self.count = self.taken = 0
         self.probes: dict[Box, tuple[Box, str]] = {}
@@ -250,7 +250,7 @@ class _Mapping:
                 self._probe(box, fate.reason)
         if decided:
             self.worker.learn(decided)
-            self.heard(decided)
+            self.report(decided)
 
     def _probe(self, box: Box, reason: str) -> None:
         """Follow the run from the midpoint of a box too small to be halved."""

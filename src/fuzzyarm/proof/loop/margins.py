@@ -512,11 +512,11 @@ def _worst(linear: LinearisedLoop, drive: Address, gains: tuple[RuleGain, ...]) 
         if not at(best).stable:
             return WorstMargins(gains, Margins(stable=False), {"stable": best})
         worst[name], where[name] = getattr(at(best), name), best
-    places = {
+    frequencies = {
         f"{name}_at": getattr(at(where[name]), f"{name}_at")
         for name in ("gain", "phase", "sensitivity")
     }
-    return WorstMargins(gains, Margins(True, **worst, **places), where)
+    return WorstMargins(gains, Margins(True, **worst, **frequencies), where)
 
 
 def changed(gains: Sequence[RuleGain], values: Sequence[float]) -> dict[int, float]:

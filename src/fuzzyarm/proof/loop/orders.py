@@ -54,11 +54,11 @@ _PARTS = {"from": "from_", "with": "with_", "at": "at"}
 """Parts of a claim with options, and their fields."""
 
 
-def _unheard(_statement: str, _count: int, _gap: float) -> None:
+def _ignore_progress(_statement: str, _count: int, _gap: float) -> None:
     """Ignore progress."""
 
 
-def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
+def proofs_of(request: ProveRequest, tell: Tell = _ignore_progress) -> tuple[Proof, ...]:
     """Return the results of a request."""
     require_sensible(request)
     if request.check is not None or request.sector or wants_loop(request) or bounds_one(request):
@@ -90,7 +90,7 @@ def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
 def _of_loop(request: ProveRequest, loop: ControllerText, tell: Tell) -> Iterable[Proof]:
     """Return the result about a loop: its map, its tube, or a claim."""
     if request.map:
-        return [map_of(request, loop, lambda found: _told(found, tell))]
+        return [map_of(request, loop, lambda found: _report(found, tell))]
     if not request.stable and request.claim is None:
         return [tube_of(request, loop, tell)[0]]
     return loops_of(request, loop, (claim_of(request),), tell)
@@ -177,7 +177,7 @@ def lines_of(
 
 
 def rules_of(
-    request: ProveRequest, rulebases: Iterable[RuleBase], tell: Tell = _unheard
+    request: ProveRequest, rulebases: Iterable[RuleBase], tell: Tell = _ignore_progress
 ) -> Iterator[Verdict]:
     """Judge the ``prove`` lines of rule bases."""
     for rulebase in rulebases:
@@ -196,7 +196,7 @@ def budget_of(request: ProveRequest) -> float:
 
 
 def bounds_of(
-    request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
+    request: ProveRequest, rulebase: RuleBase, tell: Tell = _ignore_progress
 ) -> dict[str, Bounds]:
     """Return bounds of values, slopes or a table's error, by name."""
     prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
@@ -238,7 +238,7 @@ def _error_of_table(prover: Prover, which: str) -> Bounds:
 
 
 def sectors_of(
-    request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
+    request: ProveRequest, rulebase: RuleBase, tell: Tell = _ignore_progress
 ) -> tuple[list[Sector], list[str]]:
     """Return the sectors of an output, and in words the sums without one."""
     if request.plant is not None:
@@ -282,7 +282,7 @@ def plant_of_drives(request: ProveRequest, controller: ControllerText) -> Plant 
 
 
 def drives_of(
-    request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+    request: ProveRequest, controller: ControllerText, tell: Tell = _ignore_progress
 ) -> list[DriveProof]:
     """Prove the static part of a controller."""
     if request.along is not None or request.output is not None:
@@ -309,7 +309,7 @@ def loops_of(
     request: ProveRequest,
     controller: ControllerText,
     claims: tuple[LoopClaim, ...],
-    tell: Tell = _unheard,
+    tell: Tell = _ignore_progress,
 ) -> Iterator[LoopVerdict]:
     """Judge claims about the loop of a controller."""
     for claim in claims:
@@ -327,7 +327,7 @@ def certificate_of(
     request: ProveRequest,
     controller: ControllerText,
     verdict: LoopVerdict,
-    tell: Tell = _unheard,
+    tell: Tell = _ignore_progress,
 ) -> Certificate:
     """Return the certificate of a verdict; for a tube it is searched first.
 
@@ -404,13 +404,13 @@ def margins_of_text(text: ControllerText, request: MarginsRequest) -> list[Drive
         if site is None:
             raise UsageError("margins are of a loop: which plant?", hint="--plant motor")
         plant = site.name
-    asked = ProveRequest(
+    proof_request = ProveRequest(
         files=(request.file,), stable=True, plant=plant, at=request.at, with_=request.with_,
         connect=request.connect, sensor_delay=request.sensor_delay,
         actuator_delay=request.actuator_delay,
     )  # fmt: skip
-    claim = claim_of(asked)
-    problem = problem_of(text, claim, inside=True, **setup_of(asked, claim))
+    claim = claim_of(proof_request)
+    problem = problem_of(text, claim, inside=True, **setup_of(proof_request, claim))
     return margins_of_problem(problem, request.share, request.budget)
 
 
@@ -434,7 +434,7 @@ def map_of(
     return map_starts(controller, claim, search, watch=watch, **setup)
 
 
-def _told(found: StartMap, tell: Tell) -> None:
+def _report(found: StartMap, tell: Tell) -> None:
     tell(found.statement, len(found.boxes), 1.0 - found.decided)
 
 
@@ -457,7 +457,7 @@ def _ended(claim: LoopClaim, request: ProveRequest) -> LoopClaim:
 
 
 def tube_of(
-    request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+    request: ProveRequest, controller: ControllerText, tell: Tell = _ignore_progress
 ) -> tuple[Tube, tuple[str, ...], str]:
     """Bound all ports of the plant for a time: the tube, its open parts, and its statement."""
     claim = claim_of(request)

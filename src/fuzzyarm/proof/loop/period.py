@@ -181,13 +181,13 @@ class LoopPeriod(Generic[T]):
             value = algebra.limit(
                 algebra.error(value, 0.5 * sensor.resolution), port.low, port.high
             )
-        return self._handed_on(f"{label} late", whole_periods(sensor.delay, period), value)
+        return self._delayed(f"{label} late", whole_periods(sensor.delay, period), value)
 
     def _cells(self, name: str, count: int) -> list[str]:
         """Return the names of a delay's memory cells, youngest first."""
         return [f"{name} {k + 1}" for k in range(count)]
 
-    def _handed_on(self, name: str, count: int, value: T) -> T:
+    def _delayed(self, name: str, count: int, value: T) -> T:
         """Return a value delayed by `count` periods: a shift register."""
         now = value
         for cell in self._cells(name, count):
@@ -205,7 +205,7 @@ class LoopPeriod(Generic[T]):
             value = algebra.near(value, self._state(name), port.slew * self.problem.period)
             self._after[name] = value
         count = _periods(port, self.problem.period)
-        return self._handed_on(f"{address[0]}.{address[1]} pending", count, value)
+        return self._delayed(f"{address[0]}.{address[1]} pending", count, value)
 
     def _state(self, name: str) -> T:
         """Return the previous value, or the first one."""

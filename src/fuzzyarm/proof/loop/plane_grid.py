@@ -230,12 +230,12 @@ class PlaneGrid:
         size = np.abs(base) + np.abs(least) + np.abs(most) + (np.abs(slopes) * half).sum(axis=0)
         least, most = base + least, base + most
         value, unit = 0.5 * least + 0.5 * most, met.spread(radius)
-        places, thick, steep = (middle - met.spread(centre)) / unit, half / unit, slopes * unit
+        centres, thick, steep = (middle - met.spread(centre)) / unit, half / unit, slopes * unit
         weight = np.ones_like(value)
         for _ in range(ROUNDS):
-            k, at = _fitted(begins, weight, places, thick, value, steep)
+            k, at = _fitted(begins, weight, centres, thick, value, steep)
             slope = met.spread(k)
-            gap = value - met.spread(at) - (places * slope).sum(axis=0)
+            gap = value - met.spread(at) - (centres * slope).sum(axis=0)
             gap = np.abs(gap) + (np.abs(steep - slope) * thick).sum(axis=0) + 0.5 * (most - least)
             weight = weight * (gap + 0.05 * met.spread(np.maximum.reduceat(gap, begins)))
             weight = weight / met.spread(np.maximum(np.maximum.reduceat(weight, begins), 1e-300))
@@ -272,11 +272,11 @@ class PlaneGrid:
         def spread(x: NDArray[Any]) -> NDArray[Any]:
             return np.repeat(x, many)
 
-        place = np.arange(many.sum()) - spread(np.cumsum(many) - many)
+        points = np.arange(many.sum()) - spread(np.cumsum(many) - many)
         flat, length = spread(self._offset[self._number[tuple(levels)]]), np.array(1)
-        low, high, home = np.empty((3, self.size, len(place)))
+        low, high, home = np.empty((3, self.size, len(points)))
         for axis in reversed(range(self.size)):
-            place, step = np.divmod(place, spread(counts[axis]))
+            points, step = np.divmod(points, spread(counts[axis]))
             cell = spread(begins[axis]) + step + 1  # 0 is the outer cell
             flat = flat + length * cell
             length = length * spread((number >> levels[axis]) + 2)
@@ -319,13 +319,13 @@ def _coarser(index: Index, level: Index, number: int) -> Index:
 
 
 def _fitted(
-    begins: Index, weight: Vector, places: Vector, half: Vector, value: Vector, steep: Vector
+    begins: Index, weight: Vector, centres: Vector, half: Vector, value: Vector, steep: Vector
 ) -> tuple[Vector, Vector]:
     """Return slopes and value at 0 of planes near cells, by least squares over their area.
 
     Cells of one set are side by side; `begins` has the index of the first.
     """
-    n, count = len(places), len(begins)
+    n, count = len(centres), len(begins)
 
     def total(x: Vector) -> Vector:
         return np.asarray(np.add.reduceat(weight * x, begins))
@@ -336,12 +336,12 @@ def _fitted(
     rows[:, n, n] = whole + 1e-12
     right[:, n] = total(value)
     for i in range(n):
-        rows[:, i, n] = rows[:, n, i] = total(places[i])
+        rows[:, i, n] = rows[:, n, i] = total(centres[i])
         # Over a box of half-width h the mean of x² is c² + h²/3, that of x u is c u + s h²/3.
         thick = half[i] * half[i] / 3.0
-        right[:, i] = total(value * places[i] + steep[i] * thick)
+        right[:, i] = total(value * centres[i] + steep[i] * thick)
         for j in range(i + 1):
-            square = places[i] * places[j] + (thick if i == j else 0.0)
+            square = centres[i] * centres[j] + (thick if i == j else 0.0)
             rows[:, i, j] = rows[:, j, i] = total(square)
         rows[:, i, i] += 1e-9 * whole + 1e-30
     solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
@@ -385,11 +385,11 @@ def cells_of(
     height = values(part)
     known = np.isfinite(height)
     height = np.where(known, height, 0.0)
-    place = (part.corners - centre[:, None, :]) / half
+    points = (part.corners - centre[:, None, :]) / half
     slopes: Vector = np.zeros((number, size))
     at: Vector = np.zeros(number)
     weight = known.astype(float)
-    columns = np.concatenate([place, np.ones((*place.shape[:2], 1))], axis=2)
+    columns = np.concatenate([points, np.ones((*points.shape[:2], 1))], axis=2)
     for _ in range(ROUNDS):
         rows, right = np.zeros((number, size + 1, size + 1)), np.zeros((number, size + 1))
         weighted = columns * weight[:, :, None]
@@ -398,7 +398,7 @@ def cells_of(
         rows += 1e-9 * np.eye(size + 1)
         solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
         slopes, at = np.asarray(solved[:, :size], float), np.asarray(solved[:, size], float)
-        line = (place * slopes[part.owner, None, :]).sum(axis=2) + at[part.owner, None]
+        line = (points * slopes[part.owner, None, :]).sum(axis=2) + at[part.owner, None]
         gap = np.where(known, np.abs(height - line), 0.0)
         top = np.zeros(number)
         np.maximum.at(top, part.owner, gap.max(axis=1))
@@ -437,6 +437,6 @@ def _spread_out(pieces: Quotients, edges: Sequence[Vector], shape: tuple[int, ..
         later = np.prod([np.ones_like(many), *counts[axis + 1 :]], axis=0)
         along = step // later[which] % counts[axis][which]
         cell = cell * shape[axis] + firsts[axis][which] + along
-    part = pieces.take(which)
+    part = pieces.select(which)
     part.owner = cell
     return part

@@ -37,7 +37,7 @@ from fuzzyarm.proof.loop.plane_grid import HALVINGS, PlaneGrid, cells_of
 from fuzzyarm.proof.map.arithmetic import FLOATS
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.map.bounds import WIDENED, UnprovableError
-from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
+from fuzzyarm.proof.map.prover import Prover, QuotientProblem, point_text
 from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
@@ -246,7 +246,7 @@ class RulePlanes:
             return False
         at = self.prover.without_memory().without_value(self._region(low, high))
         if at is not None and self.prover.no_rule is None:
-            raise EnclosureError(f"no rule of '{self.output}' fires at {written(at)}")
+            raise EnclosureError(f"no rule of '{self.output}' fires at {point_text(at)}")
         return at is not None
 
     # --- questions ---
@@ -267,8 +267,8 @@ class RulePlanes:
         def bands(
             pieces: Quotients, slopes: Vector, centre: Vector, at: Vector
         ) -> tuple[Vector, Vector]:
-            places = pieces.corners - centre[:, None, :]
-            planes = (places * slopes[:, None, :]).sum(axis=2) + (at - middle)[:, None]
+            positions = pieces.corners - centre[:, None, :]
+            planes = (positions * slopes[:, None, :]).sum(axis=2) + (at - middle)[:, None]
             tilt = np.abs(slopes).sum(axis=1) * np.abs(pieces.corners).max(axis=(1, 2))
             return _bands(pieces, planes, tilt)
 
@@ -294,7 +294,7 @@ class RulePlanes:
         cut = self._whole(low, high)
         quotients, middle = cut.quotients, cut.middle
         some = np.flatnonzero(((cut.most >= low) & (cut.least <= high)).all(axis=1))
-        pieces = _clipped(self._near(quotients.take(some), inputs), centre, radius)
+        pieces = _clipped(self._near(quotients.select(some), inputs), centre, radius)
         if not pieces.count:
             raise EnclosureError(f"an input of '{self.output}' is outside its range")
         assert pieces.error is not None
@@ -311,11 +311,11 @@ class RulePlanes:
             deciding = self._deciding(pieces, slopes, offset, centre, middle, lows, highs)
             if not deciding.any():
                 break
-            part = pieces.take(np.flatnonzero(deciding))
+            part = pieces.select(np.flatnonzero(deciding))
             part.corners = part.corners / radius  # the longest edge is relative to the box
             halves = part.halved(Stop())
             halves.corners = halves.corners * radius
-            pieces = pieces.take(np.flatnonzero(~deciding)).joined(self._near(halves, inputs))
+            pieces = pieces.select(np.flatnonzero(~deciding)).joined(self._near(halves, inputs))
         if cut.is_silent and self._is_silent(low, high):
             return self._plain(low, high)
         return self._banded(slopes, offset, centre, radius, lows, highs)
@@ -358,7 +358,7 @@ class RulePlanes:
             reach = np.abs(way @ inputs.generators).sum() * (1.0 + 1e-9) + 1e-9
             reach += 1e-12 * float(np.abs(way) @ np.abs(inputs.centre))
             keep &= (shares.min(axis=1) <= reach) & (shares.max(axis=1) >= -reach)
-        return pieces.take(np.flatnonzero(keep))
+        return pieces.select(np.flatnonzero(keep))
 
     @staticmethod
     def _values(pieces: Quotients, middle: float) -> Vector:
@@ -374,13 +374,13 @@ class RulePlanes:
     ) -> tuple[Vector, float]:
         """Return slopes and centre value of a plane near the values."""
         values = self._values(pieces, middle).ravel()
-        places = ((pieces.corners - centre) / radius).reshape(-1, len(centre))
+        positions = ((pieces.corners - centre) / radius).reshape(-1, len(centre))
         finite = np.isfinite(values)
-        places, values = places[finite], values[finite]
+        positions, values = positions[finite], values[finite]
         weights = np.ones(len(values))
         if not len(values):
             return np.zeros(len(centre)), middle
-        rows = np.column_stack([places, np.ones(len(places))])
+        rows = np.column_stack([positions, np.ones(len(positions))])
         # Lawson: weights grow with the gaps. Convergence only affects the width of the band.
         for _ in range(4):
             root = np.sqrt(weights)
@@ -487,11 +487,11 @@ def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
         low, high = heights.min(axis=1), heights.max(axis=1)
         slack = 1e-13 * np.maximum(-low, high)
         inside, outside = high <= slack, low >= -slack
-        parts.append(pieces.take(np.flatnonzero(inside)))
+        parts.append(pieces.select(np.flatnonzero(inside)))
         crossing = np.flatnonzero(~inside & ~outside)
         if not crossing.size:
             break
-        pieces, heights = pieces.take(crossing), heights[crossing]
+        pieces, heights = pieces.select(crossing), heights[crossing]
         rows = np.arange(len(crossing))
         top, bottom = heights.argmax(axis=1), heights.argmin(axis=1)
         upper, lower = heights[rows, top], heights[rows, bottom]
@@ -512,7 +512,7 @@ def _moved(
     dimension = pieces.corners.shape[2]
     every = np.arange(pieces.count)
     s = share[:, None]
-    quotients = pieces.take(every)
+    quotients = pieces.select(every)
     assert quotients.error is not None
     quotients.corners = quotients.corners.copy()
     quotients.corners[every, moves] = (1.0 - s) * quotients.corners[
@@ -577,7 +577,7 @@ class TablePlanes:
             raise EnclosureError(f"a set of inputs covers too many cells of '{table.output}'")
         for parts in product(*stretches):
             for ends in product((0, 1), repeat=len(parts)):
-                corners.append([part.places[end] for part, end in zip(parts, ends, strict=True)])
+                corners.append([part.positions[end] for part, end in zip(parts, ends, strict=True)])
                 values.append(self._value(parts, ends))
         points, heights = np.array(corners), np.array(values)
         rows = np.column_stack([(points - centre) / radius, np.ones(len(points))])
@@ -618,19 +618,19 @@ class TablePlanes:
         for i, (a, b) in enumerate(pairwise(ends)):
             if a > high or b < low:
                 continue
-            places = max(a, low), min(b, high)
+            positions = max(a, low), min(b, high)
             if i == 0 or i == len(levels):
                 node = 0 if i == 0 else len(levels) - 1
-                stretches.append(_Stretch(places, (node, node), (0.0, 0.0)))
+                stretches.append(_Stretch(positions, (node, node), (0.0, 0.0)))
             else:
-                shares = tuple(min(max((x - a) / (b - a), 0.0), 1.0) for x in places)
-                stretches.append(_Stretch(places, (i - 1, i), shares))
+                shares = tuple(min(max((x - a) / (b - a), 0.0), 1.0) for x in positions)
+                stretches.append(_Stretch(positions, (i - 1, i), shares))
         return stretches
 
 
 class _Stretch(NamedTuple):
     """Part of an axis: its ends, the levels around it, and the relative positions between them."""
 
-    places: tuple[float, float]
+    positions: tuple[float, float]
     nodes: tuple[int, int]
     shares: tuple[float, float]

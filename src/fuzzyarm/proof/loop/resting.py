@@ -47,9 +47,9 @@ class _Unlimited(Floats, LoopAlgebra[float]):
         """Return it unchanged."""
         return x
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, float]) -> list[float]:
         """Return the outputs of a rule base."""
-        return [self.conclusion(sheet, output.name, inputs) for output in sheet.outputs]
+        return [self.conclusion(rulebase, output.name, inputs) for output in rulebase.outputs]
 
 
 def rest_in_floats(

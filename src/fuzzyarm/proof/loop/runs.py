@@ -273,8 +273,8 @@ def values_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
     values = {**run.outputs, **run.drives}
     for address in problem.errors:
         of, order = references[address].of, references[address].order
-        wanted = problem.signal_of(of).at(np.asarray(run.time, float))[order]
-        values[error_label(label(address))] = wanted - run.outputs[label(address)]
+        setpoint = problem.signal_of(of).at(np.asarray(run.time, float))[order]
+        values[error_label(label(address))] = setpoint - run.outputs[label(address)]
     return values
 
 

@@ -151,15 +151,15 @@ class _Parities(LoopAlgebra[Parity]):
             return EVEN if of[1] % 2 == 0 else _kind(of[0])
         raise _NotOddError
 
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, Parity]) -> list[Parity]:
+    def rules(self, rulebase: RuleBase, inputs: Mapping[str, Parity]) -> list[Parity]:
         """Return the conclusions of an odd rule base."""
         for x in inputs.values():
             _demand(x)
-        if not _turns(sheet):
+        if not _is_odd_rulebase(rulebase):
             raise _NotOddError
-        return [ODD for _ in sheet.outputs]
+        return [ODD for _ in rulebase.outputs]
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Parity]) -> Parity:
+    def table(self, table: LookupTable, inputs: Mapping[str, Parity]) -> Parity:
         """Refuse a table."""
         raise _NotOddError
 
@@ -181,12 +181,12 @@ def _constant(value: float | Fraction) -> Fraction:
 # ── rule bases ───────────────────────────────────────────────────────────────────────
 
 
-def _turns(sheet: RuleBase) -> bool:
+def _is_odd_rulebase(rulebase: RuleBase) -> bool:
     """Return whether a rule base with all of its terms mirrored is the same."""
-    if sheet.is_type2 or not all(_is_plain(output) for output in sheet.outputs):
+    if rulebase.is_type2 or not all(_is_plain(output) for output in rulebase.outputs):
         return False
-    names = {v.name: _opposites(v) for v in (*sheet.inputs, *sheet.outputs)}
-    for block in sheet.blocks:
+    names = {v.name: _opposites(v) for v in (*rulebase.inputs, *rulebase.outputs)}
+    for block in rulebase.blocks:
         rules = Counter(_key(rule, {}) for rule in block.rules)
         try:
             if rules != Counter(_key(rule, names) for rule in block.rules):

@@ -24,7 +24,7 @@ from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import RegionProof
 from fuzzyarm.proof.check.loop import CheckedLoop
 from fuzzyarm.proof.check.numbers import exact, float_above, float_below, is_positive_definite
-from fuzzyarm.proof.check.region import claimed_within, faded, region_refutation
+from fuzzyarm.proof.check.region import claimed_within, decay, region_refutation
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port, problem_of
 from fuzzyarm.proof.loop.algebra import Number
@@ -128,7 +128,7 @@ def loop_tube(
     loop_claim = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
     way, _ = followed(problem, loop_claim, budget=budget, tell=tell)
     why = (f"why: {way.reason}",) if way.reason else ()
-    return way, (*in_the_way(way), *why)
+    return way, (*first_open_box(way), *why)
 
 
 def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | None) -> str:
@@ -150,7 +150,7 @@ def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | 
     return reason
 
 
-def in_the_way(tube: Tube) -> tuple[str, ...]:
+def first_open_box(tube: Tube) -> tuple[str, ...]:
     """Return in words the first box of starts without a proof."""
     if not tube.open:
         return ()
@@ -255,9 +255,9 @@ class Haven:
     def sign(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.int64]:
         """Return the goal of tubes: to be in the region, deep enough for the claim in its time."""
         values = self.values(states, memory)
-        faded = values * self._fade(self.first - period)
+        later = values * self._decay(self.first - period)
         # Two more roundings at most: of a factor and a product.
-        inside = (values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level)
+        inside = (values <= 1.0) & (later * (1.0 + 1e-12) <= self.level)
         inside &= self.fixed(memory, states.shape[1])
         if period < self.rests_from:  # distances from the final rest do not count yet
             return np.zeros(len(values), dtype=np.int64)
@@ -285,12 +285,12 @@ class Haven:
             return values >= before
         return stalled
 
-    def _fade(self, periods: int) -> float:
+    def _decay(self, periods: int) -> float:
         """Return an upper bound of the factor on V over some periods."""
         if periods <= 0:
             return 1.0
         if periods not in self._fading:
-            self._fading[periods] = float_above(faded(self.rate, periods))
+            self._fading[periods] = float_above(decay(self.rate, periods))
         return self._fading[periods]
 
     def values(self, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.float64]:

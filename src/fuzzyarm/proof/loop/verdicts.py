@@ -50,7 +50,7 @@ from fuzzyarm.proof.loop.search import (
     proposals,
     rate_of,
 )
-from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, followed, in_the_way
+from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, first_open_box, followed
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.proof.stop import Stop
@@ -223,7 +223,7 @@ class _Case:
         except FuzzyarmError as error:
             return self._said(UNDECIDED, reason=_sentence(error))
         if self.claim.output or self.claim.start:
-            refuted = self._attacked(problem)
+            refuted = self._refuted_by_run(problem)
             if refuted is not None:
                 return refuted
         bounded = math.isfinite(self.claim.end) and not self.claim.stable
@@ -257,10 +257,12 @@ class _Case:
         haven = Haven(maker, stable.certificate.region, self.loop, self.claim,
                       problem.rests_from or 0)  # fmt: skip
         way, reason = followed(
-            problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
+            problem, self.claim, budget=self.stop.left, tell=self._report_boxes, haven=haven
         )
         if reason:
-            return self._said(UNDECIDED, reason=reason, evidence=in_the_way(way), rest=stable.rest)
+            return self._said(
+                UNDECIDED, reason=reason, evidence=first_open_box(way), rest=stable.rest
+            )
         region = stable.certificate.region
         never_left = where_states_are(problem, self.loop, region, exact(region.growth))
         return self._said(
@@ -276,7 +278,7 @@ class _Case:
             return self._said(UNDECIDED, reason=reason)
         try:
             way, reason = followed(
-                problem, self.claim, budget=self.stop.half().left, tell=self._told_of_boxes
+                problem, self.claim, budget=self.stop.half().left, tell=self._report_boxes
             )
         except (FuzzyarmError, EnclosureError) as error:
             return self._said(UNDECIDED, reason=_sentence(error))
@@ -289,9 +291,9 @@ class _Case:
         if verdict is not None and verdict.proved:
             return verdict
         whole = way if way.complete else None
-        return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
+        return self._said(UNDECIDED, reason=reason, tube=whole, evidence=first_open_box(way))
 
-    def _told_of_boxes(self, share: float, boxes: int) -> None:
+    def _report_boxes(self, share: float, boxes: int) -> None:
         """Report the progress of a tube."""
         self.stop.say(boxes, 1.0 - share)
 
@@ -363,7 +365,7 @@ class _Case:
         certificate = new_certificate(maker.problem, claim, [region])
         return self._said(PROVED, certificate=certificate, **facts), ""
 
-    def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
+    def _refuted_by_run(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run from the claim's starts, if one of the tried runs is one."""
         if self.continuous:  # runs are of the sampled loop
             return None

@@ -114,7 +114,7 @@ def _on_the_way(
 def _course(follower: Follower, tube: TubeProof) -> list[list[tuple[float, float]]]:
     """Return bounds of the states from one box of starts, sample by sample, until arrival."""
     follower.numbers.sets = 1
-    now, found = follower._begin([tube.box]), list[list[tuple[float, float]]]()
+    now, found = follower.start_forms([tube.box]), list[list[tuple[float, float]]]()
     for k in range(tube.periods):
         check_time()
         spans = [form.span for form in now]

@@ -67,8 +67,8 @@ def _aggregate(
 ) -> Interval:
     """Return bounds of the aggregate from bounds of every set."""
     norm = SNORMS[output.output.aggregation]
-    count, places = len(strengths[0][1][0]), len(least[0])
-    lower, upper = np.zeros((count, places)), np.zeros((count, places))
+    count, columns = len(strengths[0][1][0]), len(least[0])
+    lower, upper = np.zeros((count, columns)), np.zeros((count, columns))
     for member, (a, b) in folded_where_max(output, strengths):
         cut = TNORMS[output.members[member].implication]
         active = np.flatnonzero(b > 0.0)

@@ -48,13 +48,13 @@ MARGIN = 3e-14
 def lattice(dimension: int, degree: int) -> tuple[Index, ...]:
     """Return the multi-indices of a degree; those of the vertices have one nonzero entry."""
 
-    def spread(total: int, places: int) -> list[Index]:
-        if places == 1:
+    def spread(total: int, entries: int) -> list[Index]:
+        if entries == 1:
             return [(total,)]
         return [
             (first, *rest)
             for first in range(total, -1, -1)
-            for rest in spread(total - first, places - 1)
+            for rest in spread(total - first, entries - 1)
         ]
 
     return tuple(spread(degree, dimension + 1))
@@ -187,7 +187,7 @@ class Quotients:
             -self.upper, self.lower, self.error, self.reach, self.corners, self.owner, self.degree
         )
 
-    def take(self, which: Array) -> Quotients:
+    def select(self, which: Array) -> Quotients:
         """Return selected simplices."""
         error = None if self.error is None else self.error[which]
         return Quotients(
@@ -273,7 +273,7 @@ class Quotients:
 
     def without(self, pieces: Array) -> Quotients:
         """Return the simplices outside the given pieces."""
-        return self.take(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
+        return self.select(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
 
     def touches(self, bound: Any) -> tuple[int, Array] | None:
         """Return the piece and the position of a vertex with N / D equal to a bound; or None."""
@@ -302,7 +302,7 @@ class Quotients:
         return halves[0].joined(*halves[1:])
 
     def _half(self, which: Array, stays: int, moves: int) -> Quotients:
-        part = self.take(which)
+        part = self.select(which)
         dimension = part.corners.shape[2]
         matrix = halving(dimension, self.degree, stays, moves, exact=self.exact).T
         part.upper, part.lower = part.upper @ matrix, part.lower @ matrix
@@ -361,7 +361,7 @@ def maximise(
     """
     best, corner, owner = least, None, -1
     count, waiting = quotients.count, quotients
-    given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
+    given_up: Quotients = quotients.select(np.zeros(0, dtype=int))
     try:
         while waiting.count:
             attained = waiting.attained()
@@ -404,7 +404,7 @@ def _worth_halving(
         if best is None
         else waiting.excess(best + tolerance, stop) > 0
     )
-    waiting = waiting.take(np.flatnonzero(keep))
+    waiting = waiting.select(np.flatnonzero(keep))
     shape = waiting.corners.astype(float)
     small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
-    return waiting.take(np.flatnonzero(~small)), waiting.take(np.flatnonzero(small))
+    return waiting.select(np.flatnonzero(~small)), waiting.select(np.flatnonzero(small))

@@ -177,7 +177,7 @@ class Boxes:
 
         return self._both(over, at, gap, positions)
 
-    def silent(self, *, valued: bool) -> dict[str, Fraction] | None:
+    def silent_point(self, *, valued: bool) -> dict[str, Fraction] | None:
         """Return a point at which no rule fires; None if some rule fires everywhere.
 
         `valued`: a point without a value, which includes firing rules without area.

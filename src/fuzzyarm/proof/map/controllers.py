@@ -37,7 +37,7 @@ from fuzzyarm.proof.map.laws import (
     inside,
     plus,
 )
-from fuzzyarm.proof.map.walk import Asked, AxisLines, LineWalk, source_name
+from fuzzyarm.proof.map.walk import AxisLines, LineWalk, WalkQuestion, source_name
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 
@@ -161,7 +161,7 @@ class _AxisCase:
 
     def proofs(self) -> Iterator[DriveProof]:
         whole = {name: reach.at for name, reach in self.sources.items()}
-        first = LineWalk(self.lines, Asked(whole, {})).run()
+        first = LineWalk(self.lines, WalkQuestion(whole, {})).run()
         zones = {
             name: overlap(at, first.notes.zones.get(name, EVERYTHING)) for name, at in whole.items()
         }
@@ -310,7 +310,7 @@ class _AxisCase:
     ) -> Iterator[DriveSector]:
         farthest = sum(abs(weights[name]) * largest(at) for name, at in where.items())
         law = self._limited(
-            LineWalk(self.lines, Asked(where, weights)).run().drives[port], farthest
+            LineWalk(self.lines, WalkQuestion(where, weights)).run().drives[port], farthest
         )
         if isinstance(law.along, str):
             what = " and ".join(weights)
@@ -362,7 +362,7 @@ class _AxisCase:
         try:
             at = {name: Interval(x, x) for name, x in point.items()}
             low = high = 0.0
-            for line, law in LineWalk(self.lines, Asked(at, {})).run().drives[port]:
+            for line, law in LineWalk(self.lines, WalkQuestion(at, {})).run().drives[port]:
                 interval = law.at
                 if limited and line.within is not None:
                     interval = clipped(interval, Interval(*line.within))

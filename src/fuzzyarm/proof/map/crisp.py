@@ -27,8 +27,9 @@ from fuzzyarm.proof.map.centroid_bounds import (
     ends_of_average_bounds,
     ends_of_centroid_bounds,
 )
+from fuzzyarm.proof.map.maxima import humps_of_numbers, maxima
 from fuzzyarm.proof.map.memberships import SLACK, Interval
-from fuzzyarm.proof.map.place_bounds import (
+from fuzzyarm.proof.map.position_bounds import (
     Humps,
     bisector_bounds,
     halving_bounds,
@@ -38,7 +39,6 @@ from fuzzyarm.proof.map.place_bounds import (
     nearest_half_bounds,
     smallest_bounds,
 )
-from fuzzyarm.proof.map.places import humps_of_numbers, places
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import bounds
 from fuzzyarm.symbolic.kinds import SHAPES, DefuzzifierKind
@@ -206,7 +206,7 @@ def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
     if output.discrete:
         return _OfNumbers(output, way, names)
     if way.humps:
-        return _OfPlaces(output, way, stop)
+        return _OfMaxima(output, way, stop)
     if defuzzifier.joined:
         return _OfCurves(output, way, JoinedPanels(output, stop))
     if defuzzifier.resolution is not None:
@@ -253,16 +253,16 @@ class _OfSamples(Crisp):
         return *self.value(self.way.sums(same, same, *weighted)), may_lack
 
 
-class _OfPlaces(Crisp):
+class _OfMaxima(Crisp):
     """Sets, by their maxima."""
 
     def __init__(self, output: OutputPlan, way: BoundingMethod, stop: Stop) -> None:
         super().__init__(output, way)
-        self.places = places(output, stop)
-        self.width = self.places.width
+        self.maxima = maxima(output, stop)
+        self.width = self.maxima.width
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
-        humps, lead = self.places.humps(strengths)
+        humps, lead = self.maxima.humps(strengths)
         return *self.from_humps(humps), ~(lead > 0.0)
 
 

@@ -376,7 +376,7 @@ class Prover:
         UnprovableError
             If it cannot be decided.
         """
-        return self._silent(region, valued=False)
+        return self._silent_point(region, valued=False)
 
     def without_value(
         self, region: Mapping[str, tuple[float, float]]
@@ -388,14 +388,14 @@ class Prover:
         UnprovableError
             If it cannot be decided.
         """
-        return self._silent(region, valued=True)
+        return self._silent_point(region, valued=True)
 
-    def _silent(
+    def _silent_point(
         self, region: Mapping[str, tuple[float, float]], *, valued: bool
     ) -> dict[str, Fraction] | None:
         box = self.box(region)
         if self.model is None:
-            return self._boxes(box).silent(valued=valued)
+            return self._boxes(box).silent_point(valued=valued)
         question = QuotientProblem(box, Surface.value)
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if not self.exact:
@@ -404,7 +404,7 @@ class Prover:
                 return None
             cells = np.unique(surface.pieces.flat_cells[doubtful_cells])
             surface = self.surface(question, rationals(), cells)
-        corner = surface.silent(valued=valued)
+        corner = surface.silent_point(valued=valued)
         return None if corner is None else self.named(surface.pieces.position(*corner))
 
     def outside_range(
@@ -444,7 +444,7 @@ class Prover:
         if at is not None:
             held = self.output.no_rule == "hold"
             then = f": '{self.output.name}' holds its last value" if held else ""
-            return Missing(at, f"no rule fires at {written(at)}{then}", silent=True, held=held)
+            return Missing(at, f"no rule fires at {point_text(at)}{then}", silent=True, held=held)
         at = self.outside_range(region)
         return None if at is None else Missing(at, self.beyond_range(at), silent=False)
 
@@ -471,7 +471,7 @@ class Prover:
         number = "" if value is None else f" is {float(value):.10g},"
         ends = f"{self.output.low:g} .. {self.output.high:g}"
         return (
-            f"'{self.output.name}'{number} outside its range {ends}, at {written(at)}: "
+            f"'{self.output.name}'{number} outside its range {ends}, at {point_text(at)}: "
             "it has no value there"
         )
 
@@ -507,7 +507,9 @@ class Prover:
             return rational.bounds_of(question, shifted=shifted, both=both, share=share)
         # Cells that floats leave open are cut once in rationals, for both bounds.
         exact = (
-            self._again(question, surface, undecided) if undecided.size and not self.exact else None
+            self._in_rationals(question, surface, undecided)
+            if undecided.size and not self.exact
+            else None
         )
         pieces, complete, ends = 0, True, []
         for sign, search in searched.items():
@@ -517,11 +519,11 @@ class Prover:
             if search.corner is not None:
                 at = self.named(surface.pieces.position(search.owner, search.corner))
             if exact is not None and (search.left.count or doubtful.any()):
-                again = self._searched_again(exact, sign, reached)
+                again = self._search_in_rationals(exact, sign, reached)
                 bound = max(nearest_float(reached) + float(gap), nearest_float(again.bound))
                 if again.corner is not None:
-                    place = exact[0].pieces.position(again.owner, again.corner)
-                    reached, at = again.reached, self.named(place)
+                    coordinates = exact[0].pieces.position(again.owner, again.corner)
+                    reached, at = again.reached, self.named(coordinates)
                 pieces += again.pieces
             elif exact is None and doubtful.any():
                 bound = math.inf
@@ -541,7 +543,7 @@ class Prover:
         prover.exact = True
         return prover
 
-    def _again(
+    def _in_rationals(
         self, question: QuotientProblem, surface: Surface, left: Array
     ) -> tuple[Surface, Quotients] | None:
         """Return in rationals the cells that floats have left open; None if time is over."""
@@ -553,7 +555,9 @@ class Prover:
         except TimeOverError:
             return None  # the bounds from floats hold
 
-    def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
+    def _search_in_rationals(
+        self, exact: tuple[Surface, Quotients], sign: int, least: Any
+    ) -> Extremum:
         number, quotients = rationals().number, exact[1]
         oriented = quotients if sign == 1 else quotients.negated()
         floor = number(Fraction(float(least)))
@@ -710,7 +714,7 @@ class Prover:
         box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
         surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
         quotients = surface.value()
-        if not quotients.lower[0, 0] > 0 or surface.silent(valued=True) is not None:
+        if not quotients.lower[0, 0] > 0 or surface.silent_point(valued=True) is not None:
             return None
         return as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
 
@@ -737,7 +741,7 @@ class Prover:
         }
         silent = self.without_value(region) if low < high else None
         if silent is not None:
-            raise UnprovableError(f"slopes: no rule fires at {written(silent)}")
+            raise UnprovableError(f"slopes: no rule fires at {point_text(silent)}")
         self.demand_inside_range("slopes", question.box)
 
     def _demand_value_everywhere(
@@ -745,7 +749,7 @@ class Prover:
     ) -> None:
         at = self.without_value(region)
         if at is not None:
-            raise UnprovableError(f"{statement}: no rule fires at {written(at)}")
+            raise UnprovableError(f"{statement}: no rule fires at {point_text(at)}")
 
     def _fitting(self, table: LookupTable) -> LookupTable:
         """Return a table over all inputs; refuse one with other inputs."""
@@ -799,6 +803,6 @@ def _outward(number: Fraction, sign: int) -> float:
     return value
 
 
-def written(at: Mapping[str, Any]) -> str:
+def point_text(at: Mapping[str, Any]) -> str:
     """Return a point as ``e = 1, ce = 2``."""
     return ", ".join(f"{name} = {float(x):.10g}" for name, x in at.items())

@@ -28,7 +28,7 @@ from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients, vertices_of
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Point, UnprovableError
 from fuzzyarm.proof.map.pieces import Cut, PieceGrid, cut
-from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
+from fuzzyarm.proof.map.prover import Prover, QuotientProblem, point_text
 from fuzzyarm.proof.map.surface import Surface
 
 ZERO = Fraction(0)
@@ -117,7 +117,7 @@ def sector(
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
     box = exact.box({name: span for name, span in region.items() if name in exact.names})
     exact.demand_inside_range("sectors", box)
-    silent = _silent(prover, {name: region[name] for name in exact.names if name in region})
+    silent = _has_silence(prover, {name: region[name] for name in exact.names if name in region})
     if all(low <= 0 <= high for low, high in box):  # σ is 0 at the origin: a cheap first test
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
     made: dict[Fraction, Quotients] = {}
@@ -175,16 +175,16 @@ def _fixed_inputs(
     return values
 
 
-def _silent(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
+def _has_silence(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
     """Return whether there are points without a rule, with the output 0; refuse others."""
     at = prover.without_value(region)
     if at is None:
         return False
     no_rule = prover.no_rule
     if no_rule is None:
-        raise UnprovableError(f"sectors: no rule fires at {written(at)}")
+        raise UnprovableError(f"sectors: no rule fires at {point_text(at)}")
     if no_rule != 0.0:
-        raise NoSectorError(f"no sector: the output is {no_rule:g} at {written(at)} (no rule)")
+        raise NoSectorError(f"no sector: the output is {no_rule:g} at {point_text(at)} (no rule)")
     return True
 
 
@@ -210,7 +210,7 @@ def _demand_zero(prover: Prover, at: Mapping[str, Fraction]) -> None:
     if value is None or abs(value) > Fraction(LIKE_EXPECT * prover.range):
         text = "not 0" if value is None else f"{float(value):.6g}"
         at = prover.named([at[name] for name in prover.names])
-        raise NoSectorError(f"no sector: the output is {text} at {written(at)}")
+        raise NoSectorError(f"no sector: the output is {text} at {point_text(at)}")
 
 
 def form_text(weights: Form, digits: int = 0) -> str:
@@ -355,4 +355,4 @@ def _finite(low: float, high: float) -> tuple[float, float]:
 
 
 def _words(prover: Prover, at: list[Fraction]) -> str:
-    return written(dict(zip(prover.names, at, strict=True)))
+    return point_text(dict(zip(prover.names, at, strict=True)))

@@ -237,7 +237,7 @@ class Surface:
         # For sets σA has the degree of M, one more than that of A.
         return self._quotients(self.degree + (self.model.form is None), make)
 
-    def silent(self, *, valued: bool) -> tuple[int, Array] | None:
+    def silent_point(self, *, valued: bool) -> tuple[int, Array] | None:
         """Return a piece and one of its points at which no rule fires; None if there is none.
 
         `valued`: a point without a value, which includes firing rules without area in the range.
@@ -676,8 +676,8 @@ class TableValues:
         self.values = self.arithmetic.array(flat).reshape(table.shape)
         self.first: list[Array] = []
         self.shares: list[tuple[Array, Array]] = []
-        for axis, place in zip(table.axes, order, strict=True):
-            cells = pieces.grid.cells[place]
+        for axis, axis_index in zip(table.axes, order, strict=True):
+            cells = pieces.grid.cells[axis_index]
             middles = [(cell.left + cell.right) / 2 for cell in cells]
             if mode != "linear":
                 self.first.append(np.array([axis.cell(float(x), mode) for x in middles]))
@@ -715,7 +715,10 @@ class TableValues:
 
     def at(self, cell: Array, shares: Array) -> Array:
         """Return the values of the table at the lattice of pieces."""
-        index = [first[cell[:, place]] for first, place in zip(self.first, self.order, strict=True)]
+        index = [
+            first[cell[:, axis_index]]
+            for first, axis_index in zip(self.first, self.order, strict=True)
+        ]
         if self.mode != "linear":
             constant = self.values[tuple(index)]
             return np.asarray(constant[:, None] + 0 * shares[:, :, 0])
@@ -728,9 +731,9 @@ class TableValues:
             values.append(self.values[where][:, None])
         # The last input varies fastest: neighbours in the list are its two levels.
         pairs = list(zip(self.order, self.shares, strict=True))
-        for place, (left, right) in reversed(pairs):
-            a, b = left[cell[:, place]], right[cell[:, place]]
-            share = a[:, None] + (b - a)[:, None] * shares[:, :, place]
+        for axis_index, (left, right) in reversed(pairs):
+            a, b = left[cell[:, axis_index]], right[cell[:, axis_index]]
+            share = a[:, None] + (b - a)[:, None] * shares[:, :, axis_index]
             values = [
                 low + (high - low) * share
                 for low, high in zip(values[::2], values[1::2], strict=True)

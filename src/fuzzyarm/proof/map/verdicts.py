@@ -25,7 +25,7 @@ from fuzzyarm.language import parse, write
 from fuzzyarm.language.model.rulebase import AnyRuleBase, Property, RuleBase, model_of
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Claim
-from fuzzyarm.proof.map.prover import Prover, written
+from fuzzyarm.proof.map.prover import Prover, point_text
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
 if TYPE_CHECKING:
@@ -434,7 +434,7 @@ class _Case:
         from fuzzyarm.inference import compiled, explain
 
         self._note(at)
-        text = f"no rule fires at {written(at)}"
+        text = f"no rule fires at {point_text(at)}"
         outputs = tuple(replace(output, no_rule=math.nan) for output in self.rulebase.outputs)
         unstated = replace(self.rulebase, outputs=outputs)
         point = {name: float(x) for name, x in at.items()}
@@ -503,7 +503,7 @@ class _Case:
         if confirmed is not None:
             return confirmed
         self._note(at)
-        self.remark = f"it fails at {written(at)}, {_IN_EXACT_ARITHMETIC}"
+        self.remark = f"it fails at {point_text(at)}, {_IN_EXACT_ARITHMETIC}"
         return ()
 
     def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:

@@ -107,11 +107,11 @@ class AxisLines:
 
     # --- queries of rule bases; axes share the answers ---
 
-    def prover(self, sheet: RuleBase, output: str) -> Prover:
+    def prover(self, rulebase: RuleBase, output: str) -> Prover:
         """Return the prover of an output."""
-        key = id(sheet), output
+        key = id(rulebase), output
         if key not in self._cache:
-            self._cache[key] = Prover(sheet, output)
+            self._cache[key] = Prover(rulebase, output)
         prover: Prover = self._cache[key]
         prover.stop = self.stop
         return prover
@@ -157,7 +157,7 @@ class AxisLines:
 # ── the walk over one axis ───────────────────────────────────────────────────────────
 
 
-class Asked(NamedTuple):
+class WalkQuestion(NamedTuple):
     """The question of a walk: ranges of the sources, and the weights of σ (none: no sector)."""
 
     at: Mapping[str, Interval]
@@ -182,7 +182,7 @@ class _Notes:
 class LineWalk(Algebra[SignalLaw]):
     """The algebra of laws for a control period of one axis, with sources where needed."""
 
-    def __init__(self, case: AxisLines, question: Asked) -> None:
+    def __init__(self, case: AxisLines, question: WalkQuestion) -> None:
         self.case = case
         self.question = question
         self.notes = _Notes()
@@ -317,11 +317,13 @@ class LineWalk(Algebra[SignalLaw]):
         if len(sources) > 1:
             self.notes.groups.append(tuple(sources))
 
-    def _conclusion(self, sheet: RuleBase, output: str, laws: Mapping[str, SignalLaw]) -> SignalLaw:
-        prover = self.case.prover(sheet, output)
+    def _conclusion(
+        self, rulebase: RuleBase, output: str, laws: Mapping[str, SignalLaw]
+    ) -> SignalLaw:
+        prover = self.case.prover(rulebase, output)
         if self.case.only_values:
             inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in laws.items()}
-            value = float(infer(silent(sheet), inputs)[output])
+            value = float(infer(silent(rulebase), inputs)[output])
             return unknown(Interval(value, value), "")
         region = {}
         for variable in prover.inputs:

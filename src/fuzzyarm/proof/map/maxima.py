@@ -29,7 +29,7 @@ from fuzzyarm.proof.map.aggregates import (
 )
 from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.memberships import Interval, joined
-from fuzzyarm.proof.map.place_bounds import TIE, Humps
+from fuzzyarm.proof.map.position_bounds import TIE, Humps
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import TNORMS
 
@@ -37,7 +37,7 @@ Placed = tuple[Humps, Array]
 """The humps, and a lower bound of the greatest height."""
 
 
-class Places:
+class Maxima:
     """The maxima of one output's aggregate."""
 
     width: int
@@ -47,7 +47,7 @@ class Places:
         raise NotImplementedError
 
 
-def places(output: OutputPlan, stop: Stop) -> Places:
+def maxima(output: OutputPlan, stop: Stop) -> Maxima:
     """Return the object that locates the maxima of an output of sets."""
     sampled = output.output.defuzzifier.resolution is not None
     if output.output.aggregation == "max":
@@ -67,7 +67,7 @@ def humps_of_numbers(least: Array, greatest: Array, lower: Array, upper: Array) 
     return Humps(least, greatest, greatest, least, can_be, can_be & alone, one, one, least)
 
 
-class _OfAll(Places):
+class _OfAll(Maxima):
     """Any aggregation: from the first to the last position that may be the highest."""
 
     def __init__(self, aggregate: AggregateSamples | Panels) -> None:
@@ -113,7 +113,7 @@ class _Set:
         raise NotImplementedError
 
 
-class _OfHighest(Places):
+class _OfHighest(Maxima):
     """Aggregation max: the maxima of the sets that may have the highest cut."""
 
     def __init__(self, output: OutputPlan, samples: AggregateSamples | None, stop: Stop) -> None:
