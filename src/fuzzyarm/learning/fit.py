@@ -358,11 +358,11 @@ def _found(
     parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
     shrinkages = SHRINKAGES if options.shrinkage is None else (options.shrinkage,)
 
-    def told(words: str) -> None:
+    def note(words: str) -> None:
         clock.begin_to_end(_share_of_search(samples, options))  # a candidate exists now
         on_step(words)
 
-    judge = CrossValidation(few.inputs, few.outputs, parts, shrinkages, told, clock.check)
+    judge = CrossValidation(few.inputs, few.outputs, parts, shrinkages, note, clock.check)
     tried, finished = _tried(judge, samples, options)
     chosen = smallest_good(tried) if options.terms is None else tried[-1]
     if finished and options.move is not False and chosen.premises.terms:

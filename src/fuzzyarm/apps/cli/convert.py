@@ -360,8 +360,8 @@ def _report(
         if not written:
             print_error(f"{arguments.target}: not written")
         return
-    told = [finding for finding in findings if finding.is_error or not arguments.quiet]
-    _say_findings(told, arguments.source, to_errors=not written)
+    shown = [finding for finding in findings if finding.is_error or not arguments.quiet]
+    _say_findings(shown, arguments.source, to_errors=not written)
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:

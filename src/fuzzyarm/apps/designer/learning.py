@@ -200,12 +200,12 @@ class TrainingWork:
             if snapshot.complete:
                 self.errors.append([float(error) for error in snapshot.rms])
             for word in self.job.heard(LearnWord):
-                self._take(word)
+                self._obey(word)
             if self._is_due(snapshot):
                 self.mode = "pause"
             self._show(snapshot)
             while self.mode == "pause":
-                self._take(self.job.word(LearnWord))
+                self._obey(self.job.word(LearnWord))
             if self.mode == "stop":
                 break
             if snapshot.complete and snapshot.passage >= self.limit:  # to be continued
@@ -214,7 +214,7 @@ class TrainingWork:
         if self.last is not None:
             self._show(self.last)
         while True:  # the result can still be saved
-            self._take(self.job.word(LearnWord))
+            self._obey(self.job.word(LearnWord))
 
     def _is_due(self, snapshot: Snapshot) -> bool:
         """Whether it rests here: after one pass, or after the requested number."""
@@ -228,7 +228,7 @@ class TrainingWork:
         every = max(1, math.ceil(len(self.motion.time) / FRAMES))
         return self.trainee.snapshots(self.motion, MOST_PASSES, every)
 
-    def _take(self, word: LearnWord) -> None:
+    def _obey(self, word: LearnWord) -> None:
         """Obey the page."""
         if word.go is not None and self.mode != "stop":
             self.mode = word.go

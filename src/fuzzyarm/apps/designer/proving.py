@@ -85,7 +85,7 @@ def prove(session: Session, record: ProveWork, job: WindowJob) -> None:
         _LoopProof(model, request, job, wants_certificate=record.certificate).run()
 
 
-def _told(job: WindowJob) -> Any:
+def _progress(job: WindowJob) -> Any:
     """Return the progress callback of a proof, by which the page may stop it."""
 
     def tell(statement: str, count: int, gap: float) -> None:
@@ -107,7 +107,7 @@ def _prove_rules(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> N
             raise TextRefusedError(
                 "the text has no `prove` lines", hint="write one, or have a range or slopes bounded"
             )
-        for judged in rules_of(request, (rulebase,), _told(job)):
+        for judged in rules_of(request, (rulebase,), _progress(job)):
             tell_result(job, _verdict_lines(judged), verdict=judged.verdict)
         return
     with at_field("output"):
@@ -117,7 +117,7 @@ def _prove_rules(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> N
         with at_field("along"):
             _prove_sectors(rulebase, request, job)
         return
-    for key, bounds in bounds_of(request, rulebase, _told(job)).items():
+    for key, bounds in bounds_of(request, rulebase, _progress(job)).items():
         verdict = "proved" if bounds.complete and not bounds.hole else "undecided"
         tell_result(job, bound_lines(name, key, bounds), verdict=verdict)
 
@@ -138,7 +138,7 @@ def _prove_sectors(rulebase: RuleBase, request: ProveRequest, job: WindowJob) ->
     from fuzzyarm.proof.loop.orders import sectors_of
 
     name = request.output or ""
-    sectors, failed = sectors_of(request, rulebase, _told(job))
+    sectors, failed = sectors_of(request, rulebase, _progress(job))
     for sector in sectors:
         chart = sector_chart(rulebase_sectors(rulebase, name, [sector]))
         verdict = "proved" if sector.complete else "undecided"
@@ -225,7 +225,7 @@ class _LoopProof:
     def _judge(self, claim: LoopClaim, name: str) -> None:
         from fuzzyarm.proof.loop.orders import loops_of
 
-        (verdict,) = loops_of(self.request, self.text, (claim,), _told(self.job))
+        (verdict,) = loops_of(self.request, self.text, (claim,), _progress(self.job))
         lines, files = _verdict_lines(verdict), {}
         if self.wants_certificate and verdict.proved:
             try:
@@ -239,7 +239,7 @@ class _LoopProof:
         """Return the file that proves a verdict again."""
         from fuzzyarm.proof.loop.orders import certificate_of
 
-        found = certificate_of(self.request, self.text, verdict, _told(self.job))
+        found = certificate_of(self.request, self.text, verdict, _progress(self.job))
         return self._written(found)
 
     def _written(self, certificate: Certificate) -> bytes:
@@ -258,7 +258,7 @@ class _LoopProof:
         request = self._with_plant()
         self._require_plant(request.plant or "")
         with at_field("duration"):
-            way, left_open, statement = tube_of(request, self.text, _told(self.job))
+            way, left_open, statement = tube_of(request, self.text, _progress(self.job))
         lines = [statement, *(way.lines() if way.complete else ()), *left_open]
         charts = [tube_chart(way, statement, None)] if way.complete else []
         verdict = "proved" if way.complete and not way.open else "undecided"
@@ -296,7 +296,9 @@ class _LoopProof:
         if name:
             self._require_plant(name)
             plant = self.job.plants.new(name)
-        proofs = drives_of(self.request.replaced(plant=name or None), self.text, _told(self.job))
+        proofs = drives_of(
+            self.request.replaced(plant=name or None), self.text, _progress(self.job)
+        )
         for proof, drives in grouped_drives(proofs):
             lines = drive_lines(self.text.model.name, proof, drives, sectors_only=False)
             pictures = controller_sectors(self.text, [proof], plant)

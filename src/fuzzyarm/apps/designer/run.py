@@ -261,7 +261,7 @@ class LiveRun:
             # A paused run waits for a word, and looks after the files it uses.
             pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
             for word in self.job.heard(RunWord, pause):
-                self._take(word)
+                self._obey(word)
             self.job.check()
             self._look_at_files()
 
@@ -307,7 +307,7 @@ class LiveRun:
 
     # --- Words of the page ---
 
-    def _take(self, word: RunWord) -> None:
+    def _obey(self, word: RunWord) -> None:
         before = self.__dict__.copy()
         if not isinstance(word.speed, Absent):
             self.speed = _speed(word.speed)

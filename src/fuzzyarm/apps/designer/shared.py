@@ -232,7 +232,7 @@ class SharedText:
                 self.conflict = Conflict(None, in_words(error))
             else:
                 self.stamp = stamp
-                self._take(disk)
+                self._adopt(disk)
         return before != (self.is_there, self.conflict, self.saved, self.version)
 
     def _on_disk(self) -> str:
@@ -244,7 +244,7 @@ class SharedText:
         if not is_inside(self.path, self.path.parent):
             raise OutsideError(f"'{self.path.name}' now links to a file outside the folder")
 
-    def _take(self, disk: str) -> None:
+    def _adopt(self, disk: str) -> None:
         """Adopt the text on disk, or note its conflict with unsaved changes here."""
         if disk not in (self.saved, self.text) and self.text != self.saved:
             self.conflict = Conflict(disk, both=merged(self.saved, self.text, disk))

@@ -170,7 +170,7 @@ def tune(session: Session, request: FormWork, job: WindowJob) -> None:
     while True:
         word = job.word(TuneWord)
         if word.take:
-            _take(files, session, job, replace=word.replace)
+            _apply(files, session, job, replace=word.replace)
 
 
 def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
@@ -225,7 +225,7 @@ def _failure(message: str, field: str) -> FuzzyarmError:
     return FieldError(message, field=field) if field else TextRefusedError(message)
 
 
-def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, replace: bool) -> None:
+def _apply(files: list[dict[str, str]], session: Session, job: WindowJob, *, replace: bool) -> None:
     """Write rule bases of other files beside the text, and send the text with the numbers."""
     from fuzzyarm.learning.tuning.text import with_files
 

@@ -163,7 +163,7 @@ def _loops() -> Iterator[Root]:
 def _plants() -> Iterator[Root]:
     roots: list[Root] = []
 
-    def asked(function: Callable[..., None], **bindings: Callable[..., Any]) -> int:
+    def recorded(function: Callable[..., None], **bindings: Callable[..., Any]) -> int:
         roots.append(Root(function, letters_of(PLANT_ARRAYS), bindings))
         return 0
 
@@ -172,6 +172,6 @@ def _plants() -> Iterator[Root]:
         arithmetic = RunArithmetic(single)
         for plant in plants:
             for finely in (False, True):
-                dynamics_of(plant, arithmetic, finely=finely, address=asked)
+                dynamics_of(plant, arithmetic, finely=finely, address=recorded)
     yield from roots
     yield from (Root(run_plant, PLANT_ARRAYS, bindings) for bindings in BY_PROGRAM)

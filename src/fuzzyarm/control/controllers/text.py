@@ -332,7 +332,7 @@ def by_name(name: str, sheet: Sheet) -> Change:
     what = f"rule base '{sheet.name}'" if isinstance(sheet, RuleBase) else "the table"
 
     def change(model: ControllerModel) -> ControllerModel:
-        def asked(axes: Axes, line: Line) -> Line:
+        def renamed(axes: Axes, line: Line) -> Line:
             if isinstance(line, Learn) and name in (line.table, line.judge):
                 return replace(line, inputs=inputs) if name == line.table else line
             if not isinstance(line, SignalLine) or line.source is None or line.source.name != name:
@@ -349,7 +349,7 @@ def by_name(name: str, sheet: Sheet) -> Change:
             return replace(line, source=replace(line.source, inputs=inputs))
 
         axes = tuple(
-            replace(axis, lines=tuple(asked(axis, line) for line in axis.lines))
+            replace(axis, lines=tuple(renamed(axis, line) for line in axis.lines))
             for axis in model.axes
         )
         return replace(model, axes=axes)

@@ -255,7 +255,7 @@ class _Lowering:
         if isinstance(step, Teach):
             return list(self._taught(step))
         if isinstance(step, Ask):
-            value, kind = self._asked(step)
+            value, kind = self._routine_call(step)
         elif isinstance(step, Find):
             inputs = tuple(self._read(name) for name in step.inputs)
             value, kind = Called(self._cell(step.grid), inputs), INDEX
@@ -312,7 +312,7 @@ class _Lowering:
 
     # ── rule bases and tables ────────────────────────────────────────────────────────
 
-    def _asked(self, query: Ask) -> tuple[Node, Kind]:
+    def _routine_call(self, query: Ask) -> tuple[Node, Kind]:
         """Return the call of a routine and the kind of its result."""
         routine, key = self.steps.routines[query.routine], f"routine {query.routine}"
         if key not in self.program.functions:

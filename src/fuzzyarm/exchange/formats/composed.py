@@ -45,13 +45,13 @@ def composed(
     recovered = shape_of(degree, low, high)
     if recovered is not None:
         # Recovered from even samples, which may straddle a narrow part of the set.
-        xs = _asked(_ends(parts, low, high)) if straight else []
+        xs = _samples(_ends(parts, low, high)) if straight else []
         if all(abs(_degree(recovered, x) - degree(x)) <= 1e-9 for x in xs):
             return recovered, True
     if straight and {norm.partition(":")[2] for norm in norms} <= _STRAIGHT:
         xs = _corners(degree, parts, low, high)
         lines = straight_shape(joined(xs, [degree(x) for x in xs]))
-        positions = _asked([low - (high - low), *xs, high + (high - low)])
+        positions = _samples([low - (high - low), *xs, high + (high - low)])
         for shape in (lines, *_closed(lines, low, high)):
             if all(abs(_degree(shape, x) - degree(x)) <= 1e-9 for x in positions):
                 return shape, True
@@ -90,7 +90,7 @@ def _bends_between(degree: Degree, a: float, b: float, most: int) -> list[float]
     return [*left, x, *right]
 
 
-def _asked(xs: Sequence[float]) -> list[float]:
+def _samples(xs: Sequence[float]) -> list[float]:
     return [a + share * (b - a) for a, b in pairwise(xs) for share in (0.2, 0.5, 0.8)]
 
 

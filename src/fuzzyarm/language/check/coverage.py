@@ -138,7 +138,7 @@ def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
         v.name: [VariableStretch(0.0, {(term.name, ()): 1.0}) for term in v.terms]
         for v in variables
     }
-    search = GapSearch([Need(_wanted(parts)) for parts in plain], cells, subject.on_step)
+    search = GapSearch([Need(_literals(parts)) for parts in plain], cells, subject.on_step)
     examples: list[Cells] = []
     complete = True
     try:
@@ -161,7 +161,7 @@ def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
         yield _undecided(f"every combination of terms has a rule for '{output.name}'", output)
 
 
-def _wanted(propositions: Iterable[Is]) -> dict[str, frozenset[Literal]]:
+def _literals(propositions: Iterable[Is]) -> dict[str, frozenset[Literal]]:
     literals: dict[str, frozenset[Literal]] = {}
     for part in propositions:
         earlier = literals.get(part.variable, frozenset())
@@ -241,14 +241,14 @@ def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
     """Return the conditions of a rule, each alternative separately."""
     alternatives = None if block.threshold > FAINT else _alternatives(rule.antecedent, block)
     if alternatives is not None:
-        return [Need(_wanted(parts)) for parts in alternatives]
+        return [Need(_literals(parts)) for parts in alternatives]
     antecedent = rule.antecedent
     literals: dict[str, frozenset[Literal]] = {
         p.variable: frozenset() for p in propositions(antecedent)
     }
     parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
     # If one operand is 0 a conjunction is 0, whatever the norm.
-    literals |= _wanted(part for part in parts if isinstance(part, Is))
+    literals |= _literals(part for part in parts if isinstance(part, Is))
 
     def fires(cells: Cells) -> bool:
         def degree(variable: str, term: str) -> float:

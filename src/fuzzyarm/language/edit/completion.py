@@ -362,7 +362,7 @@ def _names(variable: Variable) -> str:
     return "  ".join(name_text(term.name) for term in variable.terms)
 
 
-def _asked(
+def _expected_at_end(
     read: Any,
     tokens: Sequence[Token],
     model: RuleBase,
@@ -451,7 +451,7 @@ def _offered(
         # The line starts a statement, though its word may be misspelt.
         keyword = nearest(tokens[0].text, STATEMENTS)
         if keyword is not None:
-            return _asked(STATEMENTS[keyword].row.read, tokens, reading.model)
+            return _expected_at_end(STATEMENTS[keyword].row.read, tokens, reading.model)
     above: list[tuple[Token, ...]] = []
     for number in range(line - 1, 0, -1):
         earlier = reading.tokens_of(number)
@@ -463,7 +463,7 @@ def _offered(
             if record.takes_lines:
                 return _below(reading, record.word, above, tokens, line)
             context = [token for part in above for token in part]
-            return _asked(record.row.read, (*context, *tokens), reading.model)
+            return _expected_at_end(record.row.read, (*context, *tokens), reading.model)
     return []
 
 
@@ -483,7 +483,7 @@ def _in_controller(
         if above or (occurrence.kind in OF_PLANTS and occurrence.span.line != line):
             names.setdefault(occurrence.kind, {}).setdefault(occurrence.name, occurrence.kind)
     record = records.get(tokens[0].text) or CONTROLLER_STATEMENTS[SIGNAL]
-    return _asked(record.row.read, tokens, reading.model, names=names)
+    return _expected_at_end(record.row.read, tokens, reading.model, names=names)
 
 
 def _starts_statement(tokens: Sequence[Token]) -> bool:
@@ -501,9 +501,9 @@ def _below(
     model = reading.model
     items = {"lookup": LOOKUP_ROW, "tune": TUNE_ROW}
     if word in items:
-        return _asked(items[word].read_line, tokens, model, Trivia())
+        return _expected_at_end(items[word].read_line, tokens, model, Trivia())
     if len(above) == 1:
-        return _asked(GridNode.read_header, tokens, model)
+        return _expected_at_end(GridNode.read_header, tokens, model)
     if len(above[0]) < 2:
         return []
     try:
@@ -517,4 +517,4 @@ def _below(
     labels = tuple(RowNode(Word(row[0].text), ()) for row in rows if row)
     grid = GridNode(output, None, row, column, columns, labels)
     grid = grid._replace(joined=tuple(grid._replace(output=other) for other in others))
-    return _asked(RowNode.read, tokens, model, grid, Trivia())
+    return _expected_at_end(RowNode.read, tokens, model, grid, Trivia())

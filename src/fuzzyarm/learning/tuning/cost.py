@@ -187,7 +187,7 @@ def _functions(module: Any) -> Iterator[str]:
             yield name
 
 
-def asked(function: OwnCost, what: Any) -> float:
+def value_of_user(function: OwnCost, what: Any) -> float:
     """Return the value of a function of the user; an exception becomes one sentence."""
     try:
         value = float(function(what))

@@ -33,10 +33,10 @@ from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.tuning.cost import (
     Cost,
     OwnCost,
-    asked,
     brief_values_of,
     errors_of,
     lost,
+    value_of_user,
     values_of,
 )
 from fuzzyarm.learning.tuning.design import Candidate, Design, controller_at
@@ -216,7 +216,7 @@ class Examiner:
         if self.own_cost is not None:
             runs = [outcome.run for outcome in outcomes]
             with self.lock:
-                user_cost = asked(self.own_cost, runs)
+                user_cost = value_of_user(self.own_cost, runs)
             return Score(user_cost + sum(parts), (), error, chatter, diverged)
         cost = max(parts) if self.problem.over == "worst" else float(np.mean(parts))
         return Score(cost, parts, error, chatter, diverged)
@@ -225,7 +225,7 @@ class Examiner:
         rulebase = self.design.rulebase_at(candidate)
         if self.own_cost is not None:
             with self.lock:
-                return Score(asked(self.own_cost, rulebase))
+                return Score(value_of_user(self.own_cost, rulebase))
         assert isinstance(self.problem.cost, Cost)
         assert self.problem.samples is not None
         errors = errors_of(rulebase, self.problem.samples)

@@ -136,12 +136,12 @@ def with_judgement(
     linear, line = None, None
     job = _in_time(job, plan, search)
     try:
-        with _told(faults, "the size of the noise"):
+        with _errors_noted(faults, "the size of the noise"):
             job = _audible(job, which[0])
         for row, candidate in zip(rows, which, strict=True):
             _judge(row, job.judged, candidate, means, faults)
         if job.linear and not search.interrupted and not search.fault:
-            with _told(faults, "the linear controller"):
+            with _errors_noted(faults, "the linear controller"):
                 linear, line, row = _linear(job.linear["train"], plan, means)
                 rows.append(row)
             if line is not None:
@@ -226,7 +226,7 @@ def _judge(
     for name, problem in sets.items():
         means.tell(f"{row.name}: {_what(problem, name)}")
         with (
-            _told(faults, f"{row.name}, {name}"),
+            _errors_noted(faults, f"{row.name}, {name}"),
             panel(problem, means.workers, means.executor) as examining,
         ):
             row.scores[name] = examining.score_of(candidate)
@@ -239,7 +239,7 @@ def _what(problem: TuningProblem, name: str) -> str:
 
 
 @contextmanager
-def _told(faults: list[str], what: str) -> Iterator[None]:
+def _errors_noted(faults: list[str], what: str) -> Iterator[None]:
     """Turn any exception into a sentence."""
     try:
         yield

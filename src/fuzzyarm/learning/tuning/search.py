@@ -219,7 +219,7 @@ class Search:
         scores = [trial.score for trial in replayed] + self._examined(fresh)
         trials = [Trial(point, score) for point, score in zip(points, scores, strict=True)]
         for at, trial in enumerate(trials):
-            self._take(trial, is_replayed=at < len(replayed))
+            self._count(trial, is_replayed=at < len(replayed))
         if self.journal is not None and fresh:
             try:
                 self.journal.append(
@@ -239,7 +239,7 @@ class Search:
         scores = iter(self.panel.scores(sound))
         return [Score(REFUSED) if fails else next(scores) for fails in broken]
 
-    def _take(self, trial: Trial, *, is_replayed: bool) -> None:
+    def _count(self, trial: Trial, *, is_replayed: bool) -> None:
         """Count a trial; before it becomes the best prove its properties, or read the journal."""
         search = self.result
         if trial.score.fault:
