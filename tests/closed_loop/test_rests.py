@@ -129,6 +129,7 @@ def demand_fall(region, gain, damping, ends, generator):
     assert level.max() < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mass", "weight"), [((0.4, 1.0), (0.0, 0.1)), ((1.0, 1.0), (0.9, 1.1)), ((1.0, 1.0), (-2, -1))]
 )
@@ -252,6 +253,7 @@ def test_parts_that_do_not_prove_the_claim_are_refused(by_parts, falsified):
     assert not checked.proved
 
 
+@pytest.mark.slow
 def test_a_part_that_is_undecided_is_named(by_parts):
     verdict = prove_loop(
         pd(2.0, 2.0), read_claim("stable with w in 0 .. 1.5", "hoist"), plant=Hoist(), budget=60.0

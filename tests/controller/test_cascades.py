@@ -23,7 +23,7 @@ from fuzzyarm.language.edit.references import rename
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import with_actuators
 from fuzzyarm.proof.claim.text import read_claim
-from fuzzyarm.proof.loop.verdicts import prove_loop
+from fuzzyarm.proof.loop import prove_loop
 from fuzzyarm.symbolic.kernels import has_machine_code
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "controllers"

@@ -23,7 +23,7 @@ from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.signals import condition_text
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.proof.claim.text import read_claim
-from fuzzyarm.proof.loop.verdicts import prove_loop
+from fuzzyarm.proof.loop import prove_loop
 from fuzzyarm.symbolic.sources import Condition
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "controllers"

@@ -17,8 +17,7 @@ from fuzzyarm.plant import Plant, PlantError, Port, find_plant
 from fuzzyarm.plant.plant import with_actuators
 from fuzzyarm.proof.check.checking import check_certificate
 from fuzzyarm.proof.claim.text import read_claim
-from fuzzyarm.proof.loop import margins
-from fuzzyarm.proof.loop.verdicts import prove_loop
+from fuzzyarm.proof.loop import margins, prove_loop
 
 PERIOD, STEPS = 0.01, 60
 DELAYS = (0.0, 0.01, 0.03, 0.004, 0.0137, 0.0999, 3.0)
