@@ -221,7 +221,7 @@ class _Case:
         except (ClaimError, PlantError):
             raise  # the claim is wrong, not its proof
         except FuzzyarmError as error:
-            return self._said(UNDECIDED, reason=_sentence(error))
+            return self._said(UNDECIDED, reason=str(error))
         if self.claim.output or self.claim.start:
             refuted = self._refuted_by_run(problem)
             if refuted is not None:
@@ -244,8 +244,8 @@ class _Case:
             verdict = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
             if verdict.verdict == UNDECIDED and starts:
                 return self._by_tube_and_region(problem, maker) or verdict
-        except (FuzzyarmError, EnclosureError) as error:
-            verdict = self._said(UNDECIDED, reason=_sentence(error))
+        except FuzzyarmError as error:
+            verdict = self._said(UNDECIDED, reason=str(error))
         return verdict
 
     def _by_tube_and_region(self, problem: LoopProblem, maker: FormMaker) -> LoopVerdict | None:
@@ -280,8 +280,8 @@ class _Case:
             way, reason = followed(
                 problem, self.claim, budget=self.stop.half().left, tell=self._report_boxes
             )
-        except (FuzzyarmError, EnclosureError) as error:
-            return self._said(UNDECIDED, reason=_sentence(error))
+        except FuzzyarmError as error:
+            return self._said(UNDECIDED, reason=str(error))
         if not reason:
             return self._said(PROVED, tube=way, evidence=_own_start(problem))
         try:  # not for a moving reference
@@ -426,11 +426,6 @@ def _own_start(problem: LoopProblem) -> tuple[str, ...]:
 def _float_down(x: Fraction) -> float:
     near = float(x)
     return near if Fraction(near) <= x else math.nextafter(near, 0.0)
-
-
-def _sentence(error: Exception) -> str:
-    hint, text = getattr(error, "hint", ""), str(error)
-    return f"{text} ({hint})" if hint and hint not in text else text
 
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:

@@ -294,7 +294,7 @@ class _Case:
         try:
             return judge()
         except FuzzyarmError as error:  # no time left, unprovable, not a table
-            return self._said(UNDECIDED, reason=_sentence(error))
+            return self._said(UNDECIDED, reason=str(error))
 
     def _said(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:
         if bounds is not None:
@@ -337,7 +337,7 @@ class _Case:
         try:
             no_rule = self._without_value()
         except FuzzyarmError as error:  # the bounds may still refute it
-            no_rule, silence_open = None, _sentence(error)
+            no_rule, silence_open = None, str(error)
         if no_rule is not None:
             return no_rule
         bounds = self.prover.value(self.region)
@@ -754,8 +754,3 @@ def _at_most(bounds: Bounds, sign: int, limit: float) -> Bounds:
 
 def _way(claim: Claim) -> str:
     return "exact" if claim.exact else "widened"
-
-
-def _sentence(error: Exception) -> str:
-    hint = getattr(error, "hint", "")
-    return f"{error} ({hint})" if hint else str(error)
