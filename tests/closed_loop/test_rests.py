@@ -185,6 +185,14 @@ def test_parts_state_what_the_smallest_region_reaches(by_parts):
     assert by_parts.start_region["x"] == pytest.approx(min(alone), rel=1e-6)
 
 
+def test_the_picture_is_of_the_part_that_its_title_names(by_parts):
+    from fuzzyarm.apps.show.region import region_chart
+
+    (name, low, high), *_ = by_parts.parts[0].claim.parameters
+    title = region_chart(pd(2.0, 2.0), by_parts, Hoist()).title
+    assert f"{name} in {low:g} .. {high:g}" in title
+
+
 def without_a_part(certificate):
     return replace(certificate, parts=certificate.parts[1:])
 
