@@ -19,6 +19,33 @@ from fuzzyarm.exchange.formats import parse
 from fuzzyarm.inference import infer
 from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.model.shapes import membership
+from fuzzyarm.symbolic import kinds
+
+# Words that are read and never written, as the manual of each program defines them.
+READ_ALONE = {
+    "centroid": {"COGS of fcl-scikit", "centroid_integral of fis", "centroid_integral of matlab",
+                 "centroid_integral of octave"},
+    "mean-of-maximum": {"MOM of fcl-scikit"},
+    "weighted-average": {"COGF of fcl", "COGF of jfl"},
+    "karnik-mendel": {"EKM_algorithm of pyit2fls", "EIASC_algorithm of pyit2fls", "ekm of t2fis",
+                      "iasc of t2fis", "eiasc of t2fis", "eods of t2fis", "karnikmendel of t2fis",
+                      "karnik-mendel of t2fis"},
+    "nie-tan": {"nietan of t2fis", "nie-tan of t2fis"},
+    "probor": {"ASUM of jfl"},
+    "ramp": {"linzmf of matlab", "linzmf of octave", "leftLinearShape of fml"},
+    "singleton": {"singletonmf of fis"},
+}  # fmt: skip
+
+
+def test_words_that_are_only_read_mean_what_their_manuals_say() -> None:
+    found: dict[str, set[str]] = {}
+    for registry in (kinds.SHAPES, kinds.TNORMS, kinds.SNORMS, kinds.HEDGES, kinds.DEFUZZIFIERS):
+        for kind in registry.values():
+            for program, spelled in kind.names.items():
+                for word in spelled.split(",")[1:]:
+                    found.setdefault(kind.name, set()).add(f"{word.split()[0]} of {program}")
+    assert found == READ_ALONE
+
 
 XS = (-3.0, 0.5, 1.0, 2.75, 4.0, 4.5, 5.0, 6.25, 9.0, 14.0)
 
