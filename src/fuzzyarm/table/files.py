@@ -53,9 +53,6 @@ from fuzzyarm.table.text import (
 )
 
 if TYPE_CHECKING:
-    from fuzzyarm.table.axis import PlainTable
-
-if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
 
 

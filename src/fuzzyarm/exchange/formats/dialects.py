@@ -3,7 +3,8 @@
 The names of a shape, norm or hedge are in its own record (`names` of
 :class:`fuzzyarm.symbolic.records.Kind`); a dialect has the key of these names, and
 :func:`spellings` and :func:`words` look them up. Several words are separated by commas, and the
-first is written: to read one more, append it.
+first is written: to read one more, append it, and to ``READ_ALONE`` of
+``tests/formats/test_orders_of_numbers.py`` what its manual says.
 """
 
 from __future__ import annotations
