@@ -187,8 +187,9 @@ def _at(value: Any, path: tuple[Any, ...]) -> Any:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda c: replace(c, window=(("y", 1.0, 1.0),)), "no window"),
-        (lambda c: replace(c, window=(("z", -1.0, 1.0),)), "no window"),
+        (lambda c: replace(c, window=(("y", 1.0, 1.0),)), "not a window"),
+        (lambda c: replace(c, window=(("z", -1.0, 1.0),)), "not a window"),
+        (lambda c: replace(c, window=(("y", 50.0, 60.0),)), "in its window"),
         (lambda c: replace(c, window=()), "claims nothing of starts"),
         (lambda c: replace(c, window=(c.window[0], c.window[0])), "one window"),
         (lambda c: replace(c, regions=()), "no region"),

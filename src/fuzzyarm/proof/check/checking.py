@@ -375,6 +375,8 @@ def _proof_of(
         havens = [Haven(accepted(problem.at_rest, r, surfaces), r) for r in regions]
         facts = region_facts(problem, *havens[0]) if havens else {}
         _follow(Follower(problem, havens, surfaces), claim, tubes)
+    if certificate.window and not coverage:
+        raise LoopProofError("none of its boxes is in its window")
     theorems = (
         *((OF_REGIONS,) if any(not region.cones for region in regions) else ()),
         *((OF_CONES,) if any(region.cones for region in regions) else ()),
