@@ -228,7 +228,7 @@ def test_planes_of_cells_hold_all_values(name: str) -> None:
 def test_a_window_names_states_and_has_a_width() -> None:
     with pytest.raises(ClaimError, match="no state 'posiion'"):
         fuzzyarm.prove(SERVO, plant="motor", map=True, over="posiion in 0 .. 1")
-    with pytest.raises(ClaimError, match="no window"):
+    with pytest.raises(ClaimError, match="not a window"):
         fuzzyarm.prove(SERVO, plant="motor", map=True, over="position in 1 .. 1")
 
 
