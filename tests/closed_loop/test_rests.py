@@ -24,6 +24,7 @@ from fuzzyarm.plant.arm import (
     motor_torque,
 )
 from fuzzyarm.proof.check import check_certificate
+from fuzzyarm.proof.check.tube import covered
 from fuzzyarm.proof.loop import (
     LoopVerdict,
     prove_loop,
@@ -259,6 +260,30 @@ def test_parts_that_do_not_prove_the_claim_are_refused(by_parts, falsified):
     certificate = falsified(by_parts.certificate)
     checked = check_certificate(certificate, pd(2.0, 2.0), Hoist())
     assert not checked.proved
+
+
+def test_a_verdict_of_regions_and_tubes_has_no_facts_of_one_region(by_parts, monkeypatch):
+    """The first part has a region, so that its certificate and its reach are at hand."""
+    first, second = by_parts.parts[:2]
+    tube = replace(second, certificate=None, region={}, start_region={}, evidence=("of v = 0",))
+    answers = iter([replace(first, verdict="undecided"), first, first, tube])
+    monkeypatch.setattr("fuzzyarm.proof.loop.parts.judged", lambda *_, **__: next(answers))
+    verdict = prove_loop(pd(2.0, 2.0), by_parts.claim, plant=Hoist())
+    assert (verdict.verdict, verdict.claim) == ("proved", by_parts.claim)
+    assert verdict.certificate is None
+    assert [verdict.region, verdict.start_region, verdict.rests] == [{}, {}, {}]
+    assert "x" not in verdict.rest
+    assert verdict.evidence == (
+        "in 2 parts of its parameters, each by a region or a tube", "of v = 0",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("missing", [None, 0, 1500, 2999])
+def test_a_gap_is_found_among_thousands_of_parts(missing):
+    ends = np.linspace(0.0, 1.0, 3001)
+    kept = np.arange(3000) != (-1 if missing is None else missing)
+    lows, highs = ends[:-1][kept, None], ends[1:][kept, None]
+    assert covered([(0.0, 1.0)], lows, highs) == (missing is None)
 
 
 @pytest.mark.slow

@@ -466,19 +466,22 @@ def covered(box: Sequence[tuple[Any, Any]], lows: Any, highs: Any) -> bool:
 
     Ends are floats or fractions.
     """
-    if not len(lows):
-        return False
-    low, high = (np.array(ends) for ends in zip(*box, strict=True))
-    near = ((lows <= high) & (highs >= low)).all(axis=1)
-    if not near.any():
-        return False
-    lows, highs = lows[near], highs[near]
-    # The box with the largest common part first.
-    shares = np.minimum(highs, high) - np.maximum(lows, low)
-    first = int(np.argmax((shares / np.maximum(high - low, 1e-300)).min(axis=1)))
-    rest = np.arange(len(lows)) != first
-    ends = list(zip(lows[first].tolist(), highs[first].tolist(), strict=True))
-    return all(covered(part, lows[rest], highs[rest]) for part in _parts_outside(box, ends))
+    waiting = [(box, lows, highs)]
+    while waiting:  # no recursion: of thousands of boxes it may be deep
+        check_time()
+        part, lows, highs = waiting.pop()
+        low, high = (np.array(ends) for ends in zip(*part, strict=True))
+        near = ((lows <= high) & (highs >= low)).all(axis=1)
+        if not near.any():
+            return False
+        lows, highs = lows[near], highs[near]
+        # The box with the largest common part first.
+        shares = np.minimum(highs, high) - np.maximum(lows, low)
+        first = int(np.argmax((shares / np.maximum(high - low, 1e-300)).min(axis=1)))
+        others = np.arange(len(lows)) != first
+        ends = list(zip(lows[first].tolist(), highs[first].tolist(), strict=True))
+        waiting += [(x, lows[others], highs[others]) for x in _parts_outside(part, ends)]
+    return True
 
 
 def _parts_outside(

@@ -135,11 +135,11 @@ class _Halving:
         """Return the verdict on the claim from its proved parts."""
         certificates = [part.certificate for part in parts if part.certificate is not None]
         if len(certificates) < len(parts):  # by tubes, whose certificates are searched on demand
-            each = f"in {len(parts)} parts of its parameters, each by a tube"
-            return self._of_all(
-                parts[0], parts=tuple(parts), evidence=(each, *parts[0].evidence), region={},
-                tube=None, haven=None,
-            )  # fmt: skip
+            return self._of_all(parts[0], **_facts_of_tubes(parts), evidence=(
+                f"in {len(parts)} parts of its parameters, each by a"
+                f" {'region or a ' * bool(certificates)}tube",
+                *dict.fromkeys(line for part in parts for line in part.evidence),
+            ))  # fmt: skip
         certificate = joined(self.claim, certificates)
         facts = demand_proved(self.given.problem(self.claim), certificate).facts
         return self._of_all(parts[0], certificate=certificate, parts=tuple(parts), **facts)
@@ -156,6 +156,18 @@ class _Halving:
             statement=self.given.sentence(self.claim, continuous=self.continuous),
             seconds=time.monotonic() - self.begun, work=self.stop.spent, **facts,
         )  # fmt: skip
+
+
+def _facts_of_tubes(parts: Sequence[LoopVerdict]) -> dict[str, Any]:
+    """Return the facts of a verdict by parts of which some have tubes: what all of them share."""
+    rest = set.intersection(*(set(part.rest.items()) for part in parts))
+    return {
+        "parts": tuple(parts), "rest": {n: x for n, x in parts[0].rest.items() if (n, x) in rest},
+        "fall": min(part.fall for part in parts),
+        "uncertain": tuple(dict.fromkeys(word for part in parts for word in part.uncertain)),
+        "region": {}, "start_region": {}, "rests": {},
+        "certificate": None, "tube": None, "haven": None,
+    }  # fmt: skip
 
 
 def _at_middle(claim: LoopClaim) -> LoopClaim:
