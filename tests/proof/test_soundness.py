@@ -507,7 +507,8 @@ def test_a_sliver_between_two_corners_counts(late: float) -> None:
     assert bounds.low <= secant <= bounds.high
 
 
-def test_slopes_of_a_thin_cell_are_those_of_its_corners() -> None:
+@pytest.mark.parametrize("power", [1, 2])
+def test_slopes_of_a_thin_cell_are_those_of_its_corners(power: int) -> None:
     """Both ends of a membership in a cell of a few floats are rounded; their difference is not."""
     low, high = 0.3, 0.1 + 0.2
     text = f"""rulebase thin
@@ -518,8 +519,8 @@ term e LATE: trapezoid {high!r} 0.7 2 3
 term e ALL: trapezoid -2 -2 3 3
 term w O: singleton 0
 term w P: singleton 1
-inference defuzzifier weighted-average, aggregation sum
-rule if e is UP then w is P
+inference and product, defuzzifier weighted-average, aggregation sum
+rule if {" and ".join(["e is UP"] * power)} then w is P
 rule if e is LATE then w is P
 rule if e is ALL then w is O
 """
@@ -528,6 +529,7 @@ rule if e is ALL then w is O
     bounds = Prover(model, "w").slope({"e": (low, high)}, "e")
     steep = 1 / (Fraction(1.1) + Fraction(0.5))
     at = [steep * (Fraction(x) + Fraction(0.5)) for x in (low, high)]
-    assert bounds.low <= steep / (1 + at[1]) ** 2
-    assert steep / (1 + at[0]) ** 2 <= bounds.high
+    slopes = [power * up ** (power - 1) * steep / (1 + up**power) ** 2 for up in at]
+    assert bounds.low <= min(slopes)
+    assert max(slopes) <= bounds.high
     assert bounds.high - bounds.low < 1e-6

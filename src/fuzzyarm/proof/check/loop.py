@@ -8,7 +8,7 @@ and claims about rule bases are checked on their pieces (:mod:`.rules`). A certi
 gains to check; nothing in it is trusted, and no code of the search is used.
 
 An equilibrium may be irrational. Then z is the deviation from a true rest known by a ball only:
-that the ball contains exactly one is proved by Krawczyk's operator
+that the ball contains one is proved by Krawczyk's operator
 K = m − Y F(m) + (1 − Y F'(R)) (R − m), which has to lie within R.
 
 Sources: R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken",
@@ -258,9 +258,9 @@ class _Derivation:
         return {**fixed, **{key: values[name] for key, name in pairs}}
 
     def krawczyk(self) -> dict[str, Number]:
-        """Return the radius of K around m: below that of R, exactly one rest lies in R.
+        """Return the radius of K around m: below that of R, a rest lies in R.
 
-        For each choice of the parameters there is one.
+        For each choice of the parameters there is exactly one in the set over which F' was taken.
 
         """
         names, rest = self.names, self.evidence.rest

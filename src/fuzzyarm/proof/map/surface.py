@@ -497,7 +497,7 @@ class Surface:
             cells = self.pieces.cell[which, axis]
             left, right = (end[cells] for end in self.pieces.grid.ends[number])
             slope = self.arithmetic.zeros(*shares.shape)
-            slope[:, :, axis] = (right - left)[:, None]
+            slope[:, :, axis] = self.pieces.grid.rises[number][cells][:, None]
             return left[:, None] + (right - left)[:, None] * shares[:, :, axis], slope
         if node.kind == "one":
             return self.arithmetic.ones(*shares.shape[:2]), self.arithmetic.zeros(*shares.shape)
