@@ -543,9 +543,10 @@ class Pieces:
         slopes = np.where(takes_first[:, None], first.slopes, second.slopes)
         if not self.arithmetic.exact:
             unclear = greatest_of_rows(np.abs(gap)) <= 4 * SAME
-            # In shares of the cell: those of a thin cell are all small.
+            # In shares of the cell: those of a thin cell are all small. Equal ones may differ by
+            # their rounding, for which quotients have room.
             steepest = np.maximum(np.abs(first.slopes), np.abs(second.slopes))
-            differ = any_of_rows(np.abs(first.slopes - second.slopes) > 1e-9 * steepest)
+            differ = any_of_rows(np.abs(first.slopes - second.slopes) > SAME * steepest)
             self.doubtful[which[unclear & differ]] = True
         return _Affine(values, slopes)
 
