@@ -533,3 +533,66 @@ rule if e is ALL then w is O
     assert bounds.low <= min(slopes)
     assert max(slopes) <= bounds.high
     assert bounds.high - bounds.low < 1e-6
+
+
+STEEPER = """rulebase steeper
+input  e 0.3333333321492007 .. 0.33333333570159857
+output w -1 .. 1
+term e A: trapezoid -1.7473864541414427e-17 1 3 4
+term e B: trapezoid -4.0202429494273956e-11 1.0000000000804048 3 4
+term w N: singleton -1
+term w Z: singleton 0
+term w P: singleton 1
+inference defuzzifier weighted-average, aggregation sum
+rule if e is A then w is Z
+rule if e is A or e is B then w is N with 0.5
+rule if e is B then w is N
+rule if e is A and e is not A then w is P
+"""
+"""A cell so thin that floats cannot order two heights, of which one is 8e-11 steeper."""
+
+LEVEL = """rulebase level
+input  e 0.3 .. 0.31055410030144714
+output w 0 .. 1
+term e A: trapezoid 0 2.147652315679961 30 40
+term e B: trapezoid -0.1 8.600798639342232 30 40
+term e C: trapezoid -2 -1 0 1.7224846591943848
+term e ALL: trapezoid -5 -4 40 50
+term w Z: singleton 0
+term w P: singleton 1
+inference defuzzifier weighted-average, aggregation sum
+rule if e is A then w is P
+rule if e is B then w is P
+rule if e is C then w is P
+rule if e is ALL then w is Z
+"""
+"""Three slopes of one height cancel but for less than the rounding of their sum."""
+
+
+def steeper(e: Fraction) -> Fraction:
+    low = [Fraction(-1.7473864541414427e-17), Fraction(-4.0202429494273956e-11)]
+    a, b = (e - low[0]) / (1 - low[0]), (e - low[1]) / (Fraction(1.0000000000804048) - low[1])
+    most, least = max(a, b) / 2, min(a, 1 - a)
+    return (least - most - b) / (a + most + b + least)
+
+
+def level(e: Fraction) -> Fraction:
+    first, second, third = map(Fraction, (2.147652315679961, 8.600798639342232, 1.7224846591943848))
+    total = e / first + (e + Fraction(0.1)) / (second + Fraction(0.1)) + 1 - e / third
+    return total / (total + 1)
+
+
+@pytest.mark.parametrize(("text", "value"), [(STEEPER, steeper), (LEVEL, level)])
+def test_slopes_that_nearly_cancel_are_not_proved_by_their_rounding(
+    text: str, value: Callable[[Fraction], Fraction]
+) -> None:
+    model = parse(text).rulebase
+    assert model is not None
+    low, high = Fraction(model.inputs[0].low), Fraction(model.inputs[0].high)
+    near = low + (high - low) / 16
+    steepest = (value(near) - value(low)) / (near - low)
+    bound = float(steepest - Fraction(abs(steepest)) / 10**8)
+    assert Fraction(bound) < steepest
+    claim = "w falls with e" if steepest < 1e-16 else f"w slope e in -1 .. {bound!r}"
+    assert prove(model, claim).verdict != "proved"
+    assert prove(model, f"w slope e in -1 .. {float(steepest) * 1.01!r}").verdict == "proved"

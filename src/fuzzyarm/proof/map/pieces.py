@@ -321,6 +321,9 @@ class Pieces:
         self._corners = self._simplices(cells, orders)
         self._heights = arithmetic.zeros(self.count, dimension + 1, columns)
         self._slopes = arithmetic.zeros(self.count, dimension, columns)
+        adds = any(system.model.adds for system in self.systems) and not arithmetic.exact
+        # Magnitudes of the terms of sums of slopes.
+        self._terms = np.zeros((self.count, dimension, columns if adds else 0))
         self._doubtful = np.zeros(self.count, dtype=bool)
         self._zeros = np.zeros((self.count, dimension + 1), dtype=np.int64)
         coarse = [x[self.cell[:, i]] for i, x in enumerate(self.grid.coarse)]
@@ -365,8 +368,8 @@ class Pieces:
         if count <= room:
             return
         more = min(max(count, 2 * room), self.most) - room
-        names = ("_cell", "_corners", "_heights", "_slopes", "_doubtful", "_zeros", "_coarse")
-        for name in names:
+        names = ("_cell", "_corners", "_heights", "_slopes", "_terms", "_doubtful", "_zeros")
+        for name in (*names, "_coarse"):
             array = getattr(self, name)
             grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
             grown[:room] = array
@@ -467,6 +470,10 @@ class Pieces:
             if adds:
                 self.heights[which, :, first + column] += truth.values
                 self.slopes[which, :, first + column] += truth.slopes
+                if not self.arithmetic.exact:
+                    self._terms[which, :, first + column] += np.abs(truth.slopes)
+                    total = self.slopes[which, :, first + column]
+                    self._note_cancelled(which, total, self._terms[which, :, first + column], 8.0)
                 continue
             affine = _Affine(
                 self.heights[which, :, first + column], self.slopes[which, :, first + column]
@@ -530,6 +537,9 @@ class Pieces:
             shift_by = one - limit
             total = _Affine(first.values + second.values - shift_by, first.slopes + second.slopes)
             flat = _Affine(0 * total.values + limit, 0 * total.slopes)
+            if not self.arithmetic.exact:
+                terms = np.abs(first.slopes) + np.abs(second.slopes)
+                self._note_cancelled(which, total.slopes, terms, 1.0)
             first, second = total, flat
         undecided.append(first.values - second.values)
         largest = node.kind in {"max", "bounded and"}
@@ -549,6 +559,11 @@ class Pieces:
             differ = any_of_rows(np.abs(first.slopes - second.slopes) > SAME * steepest)
             self.doubtful[which[unclear & differ]] = True
         return _Affine(values, slopes)
+
+    def _note_cancelled(self, which: Array, total: Array, terms: Array, most: float) -> None:
+        """Note pieces on which slopes cancel, so that the rounding of their terms counts."""
+        lost = any_of_rows(most * np.abs(total) < terms) & ~self._coarse[which]
+        self.doubtful[which[lost]] = True
 
     def _cut_at_layers(self, form: ClosedForm, first: int) -> None:
         """Cut where a height passes a level at which the aggregate changes form."""
@@ -683,7 +698,7 @@ class Pieces:
         both = zeros[which, above] & zeros[which, below] | _bit(number)
         zeros[start:end] = zeros[which]
         zeros[start + rows, below] = zeros[which, above] = both
-        for inherited in (self._cell, self._slopes, self._doubtful, self._coarse):
+        for inherited in (self._cell, self._slopes, self._terms, self._doubtful, self._coarse):
             inherited[start:end] = inherited[which]
         return np.concatenate([which, np.arange(start, end)])
 

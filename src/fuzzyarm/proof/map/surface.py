@@ -291,7 +291,7 @@ class Surface:
     def _products_at(self, which: Array, points: Array, *, valued: bool) -> Array:
         counts = self._counts(valued=valued)
         total = self.arithmetic.zeros(len(which), len(points))
-        for column, rows, strength, _ in self._products(which, points):
+        for column, rows, strength, *_ in self._products(which, points):
             if counts[column]:
                 total[rows] += strength
         return total
@@ -425,7 +425,7 @@ class Surface:
 
     def _add_numbers(self, sums: _Sum, which: Array, points: Array, system: int) -> None:
         number = self.arithmetic.number
-        for column, rows, height, slope in self._strengths(which, points, system):
+        for column, rows, height, slope, steep in self._strengths(which, points, system):
             area = number(self.model.areas[column])
             value, value_slopes = self._value(column, which[rows], points)
             sums.add(
@@ -434,6 +434,7 @@ class Surface:
                 None if slope is None else area * (slope * value[:, :, None]
                 + height[:, :, None] * value_slopes[:, None, :]),
                 float(area),
+                None if steep is None else steep * abs(float(area)),
             )  # fmt: skip
         if self.model.is_sum:
             sums.set_area_to_one()
@@ -460,8 +461,8 @@ class Surface:
 
     def _strengths(
         self, which: Array, points: Array, system: int
-    ) -> Iterator[tuple[int, Array, Array, Array | None]]:
-        """Yield (column, rows, heights at the lattice, slopes there)."""
+    ) -> Iterator[tuple[int, Array, Array, Array | None, Array | None]]:
+        """Yield (column, rows, heights at the lattice, slopes there, magnitudes of their terms)."""
         if self.model.multiplies:
             yield from self._products(which, points, system)
             return
@@ -470,11 +471,11 @@ class Surface:
             rows = np.flatnonzero(any_of_rows(self.pieces.heights[which, :, first + column] > 0))
             if rows.size:
                 height, slope = self._heights(which[rows], points, first + column)
-                yield column, rows, height, slope[:, None, :]
+                yield column, rows, height, slope[:, None, :], None
 
     def _products(
         self, which: Array, points: Array, system: int = 0
-    ) -> Iterator[tuple[int, Array, Array, Array]]:
+    ) -> Iterator[tuple[int, Array, Array, Array, Array | None]]:
         """Yield the same for products of memberships, rule by rule."""
         shift = self.pieces.systems[system].shift
         for rule in self.model.rules:
@@ -485,8 +486,20 @@ class Surface:
             shares = np.matmul(points, self.pieces.corners[which[rows]])
             height, slope = self._product(rule.antecedent, which[rows], shares, shift)
             weight = self.arithmetic.number(rule.weight)
+            steep = None
+            if not self.arithmetic.exact:
+                steep = abs(float(weight)) * self._rises(rule.antecedent, which[rows], shift)
             for column in rule.columns:
-                yield column, rows, height * weight, slope * weight
+                yield column, rows, height * weight, slope * weight, steep
+
+    def _rises(self, node: StraightAntecedent, which: Array, shift: int) -> Array:
+        """Return the sum of the slopes of the factors of a product, without signs."""
+        if node.kind == "is":
+            number = node.proposition + shift
+            cells = self.pieces.cell[which, self.pieces.grid.inputs[number]]
+            return np.asarray(np.abs(self.pieces.grid.rises[number][cells]))
+        parts = [self._rises(operand, which, shift) for operand in node.operands]
+        return np.asarray(np.sum([np.zeros(len(which)), *parts], axis=0))
 
     def _product(
         self, node: StraightAntecedent, which: Array, shares: Array, shift: int
@@ -543,8 +556,12 @@ class _Sum:
         area_slopes: Any,
         moment_slopes: Any,
         whole: float,
+        steep: Array | None = None,
     ) -> None:
-        """Add to some rows; `whole` is the area at height 1."""
+        """Add to some rows; `whole` is the area at height 1.
+
+        `steep`: the magnitudes of the terms of the slopes, if they may cancel.
+        """
         self.area[rows] += area
         self.moment[rows] += moment
         if not self.exact:  # the error of heights is relative to 1, however small they are
@@ -554,7 +571,9 @@ class _Sum:
         self.area_slopes[rows] += area_slopes
         self.moment_slopes[rows] += moment_slopes
         if not self.exact:
-            self.steep[rows] += greatest_of_rows(np.abs(area_slopes).sum(axis=2))
+            self.steep[rows] += (
+                greatest_of_rows(np.abs(area_slopes).sum(axis=2)) if steep is None else steep
+            )
 
     def add_layers(
         self, rows: Array, layers: _Layered, height: Array, slope: Array, sign: int
@@ -581,7 +600,10 @@ class _Sum:
             sign * (a1 + 2 * a2 * x)[:, :, None] * slope[:, None, :],
             sign * (b1 + x * (2 * b2 + 3 * b3 * x))[:, :, None] * slope[:, None, :],
             layers.whole,
-        )
+            None if self.exact else greatest_of_rows(
+                (np.abs(a1) + 2 * np.abs(a2 * x)) * np.abs(slope).sum(axis=1)[:, None]
+            ),
+        )  # fmt: skip
 
     def set_area_to_one(self) -> None:
         """Set the denominator to 1: the quotient is a sum."""
