@@ -440,7 +440,7 @@ def test_an_arduino_library_has_the_guard_at_its_price(guarded, tmp_path):
     how = replace(certified(making_of(request), controller, request), precision="float32")
     with_guard, _ = controller_program(controller, how, "float32")
     part = board_part(with_guard, "servo", board_named("uno"))
-    assert "servo_guarded_step(&state" in "\n".join(part.sketch)
+    assert "servo_guarded_step(&state" in part.sketch
     found = part.measured(board_named("uno"))
     # The same calls of the step without a guard.
     plain = replace(part.call, call=part.call.call.replace("guarded_", ""))

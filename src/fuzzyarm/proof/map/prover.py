@@ -339,7 +339,7 @@ class Prover:
         return self.at_most(question, bound, negated=negated)
 
     def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
-        """Return whether |u(x) + u(−x)| is at most `bound` everywhere."""
+        """Return whether ``|u(x) + u(−x)|`` is at most `bound` everywhere."""
         self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
         self.demand_inside_range("symmetry", self.box({}))
