@@ -134,7 +134,7 @@ class LoopProblem:
         """Return the magnitude of an output beyond which a run has certainly diverged.
 
         The bound of the port may be smaller. For a bound b of the error, proofs keep the output
-        within b − |r|; a run is certainly lost beyond b + |r| only.
+        within ``b − |r|``; a run is certainly lost beyond ``b + |r|`` only.
         """
         port = self.site.interface.outputs[output]
         far = _reach(self.signals, output)
