@@ -13,14 +13,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fuzzyarm.exchange.export.document import Blocks, filled_text
+from fuzzyarm.exchange.export.document import Blocks, filled, filled_text
 
 OK, ERROR = 0, 3
 """Of the status that every function returns."""
 
-# The token is the GUID of FMI 2 and the
-# instantiation token of FMI 3: a host that passes another one has read the description of another
-# build, and gets no instance.
+# The token is the GUID of FMI 2 and the instantiation token of FMI 3: a host that passes another
+# one has read the description of another build, and gets no instance.
 _COMMON = """
 #include <stddef.h>
 #include <stdlib.h>
@@ -122,27 +121,28 @@ static void *copied(const void *from)
 # Functions in short: a name, the parameters after the instance, the statements; see `_in_full`.
 # A saved state is a copy of the bytes of an instance, which is sound because `unit` holds no
 # pointers. A state that a host passes to Get…State was returned before, so it is freed first.
-_STATES = """GetFMUSTATE(void **state)
+_STATES = """
+GetFMU<State>(void **state)
     free(*state);
     *state = copied(instance);
     return *state != NULL ? 0 : 3;
-SetFMUSTATE(void *state)
+SetFMU<State>(void *state)
     memcpy(instance, state, sizeof(unit));
     return 0;
-FreeFMUSTATE(void **state)
+FreeFMU<State>(void **state)
     free(*state);
     *state = NULL;
     return 0;
-SerializedFMUSTATESize(void *state, size_t *size)
+SerializedFMU<State>Size(void *state, size_t *size)
     *size = sizeof(unit);
     return 0;
-SerializeFMUSTATE(void *state, BYTE bytes[], size_t size)
+SerializeFMU<State>(void *state, <byte> bytes[], size_t size)
     if (size < sizeof(unit)) {
         return 3;
     }
     memcpy(bytes, state, sizeof(unit));
     return 0;
-READFMUSTATE(const BYTE bytes[], size_t size,GAPvoid **state)
+<Read>FMU<State>(const <byte> bytes[], size_t size,<break>void **state)
     if (size != sizeof(unit)) {
         return 3;
     }
@@ -194,7 +194,8 @@ SetReal(const unsigned vr[], size_t n, const double values[])
 DoStep(double now, double size, int keeps_state)
     advance(instance, now + size);
     return 0;
-STATES"""
+<states>
+"""
 
 _FMI3 = """
 EXPORT const char *fmi3GetVersion(void)
@@ -258,7 +259,8 @@ DoStep(double now, double size, bool keeps_state,
     *event = *terminate = *early = false;
     *last = now + size;
     return 0;
-STATESGetNumberOfEventIndicators(size_t *n)
+<states>
+GetNumberOfEventIndicators(size_t *n)
     *n = 0;
     return 0;
 GetNumberOfContinuousStates(size_t *n)
@@ -356,14 +358,14 @@ def _function(version: int, name: str, parameters: str, body: str, read: str) ->
 def _in_full(version: int, text: str) -> str:
     """Return a text of C with its functions in short written out."""
     words = {
-        2: {"STATE": "state", "BYTE": "char", "READ": "DeSerialize", "GAP": " "},
-        3: {"STATE": "State", "BYTE": "unsigned char", "READ": "Deserialize", "GAP": "\n    "},
+        2: {"State": "state", "byte": "char", "Read": "DeSerialize", "break": " "},
+        3: {"State": "State", "byte": "unsigned char", "Read": "Deserialize", "break": "\n    "},
     }
-    states = re.sub("STATE|BYTE|READ|GAP", lambda word: words[version][word[0]], _STATES)
-    return re.sub(
+    states = list(filled(_STATES, words[version]))
+    return "\n" + re.sub(
         r"^(\w+)\(([^)]*)\)\n((?: .*\n)+)",
         lambda short: "\n" + _function(version, short[1], short[2], short[3], read=short[3]),
-        text.replace("STATES", states),
+        filled_text(text, {"states": states}),
         flags=re.MULTILINE,
     )
 
