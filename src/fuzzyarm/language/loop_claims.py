@@ -45,9 +45,10 @@ def _read_stretch(cursor: Cursor, what: str, offered: str) -> StateStretch:
     return StateStretch(name, low, cursor.figure("the highest value"))
 
 
-def _stretch_text(stretch: StateStretch) -> str:
-    low, high = number_text(stretch.low), number_text(stretch.high)
-    return f"{name_text(stretch.name)} in {low} .. {high}"
+def stretch_text(stretch: tuple[str, float, float]) -> str:
+    """Return a name and an interval as in a claim."""
+    name, low, high = stretch
+    return f"{name_text(name)} in {number_text(low)} .. {number_text(high)}"
 
 
 class FollowedNode(NamedTuple):
@@ -249,7 +250,7 @@ def _stretches(field: str, kind: NameKind, what: str, label: str) -> Phrase:
         return (_occurrence(kind, stretch.name) for stretch in stretches)
 
     def show(stretches: Iterable[StateStretch]) -> str:
-        return ", ".join(map(_stretch_text, stretches))
+        return ", ".join(map(stretch_text, stretches))
 
     return Phrase(field, read, label, show, mentions, empty=())
 
@@ -284,7 +285,7 @@ class _Claim(Part):
         if node.output is None:
             return
         line.add(":", "before")
-        line.add("error of " * node.error + _stretch_text(node.output))
+        line.add("error of " * node.error + stretch_text(node.output))
         begin, end = node.begin, node.end
         if begin is not None and end is not None:
             line.add(f"during {number_text(begin)} .. {time_text(end)}")

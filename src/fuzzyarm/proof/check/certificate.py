@@ -192,8 +192,13 @@ class Certificate:
         return self.regions[0]
 
     @property
+    def proofs(self) -> tuple[Certificate | Part, ...]:
+        """The holders of its regions and tubes: itself, and its parts."""
+        return (self, *self.parts)
+
+    @property
     def by_part(self) -> tuple[Certificate, ...]:
-        """The certificates of its parts; itself without parts."""
+        """The certificates of its parts; itself where it has none."""
         return tuple(
             replace(self, claim=replace(self.claim, parameters=part.parameters),
                     regions=part.regions, tubes=part.tubes, parts=())
@@ -203,7 +208,7 @@ class Certificate:
     @property
     def continuous(self) -> bool:
         """Whether the loop is taken in continuous time."""
-        return any(region.continuous for part in self.by_part for region in part.regions)
+        return any(region.continuous for each in self.proofs for region in each.regions)
 
     def as_data(self) -> dict[str, Any]:
         """Return the certificate as plain data, sealed."""

@@ -18,6 +18,7 @@ from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import inward_interval, number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
+from fuzzyarm.language.loop_claims import stretch_text
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import PLANTS, plant_files, trusted_plant
@@ -281,7 +282,7 @@ def check_certificate(
     return replace(
         checked, statement=statement, loop=proof.loop,
         files={**certificate.fingerprints, **plant_files(plant)},
-        theorems=proof.theorems, boxes=sum(len(part.tubes) for part in certificate.by_part),
+        theorems=proof.theorems, boxes=sum(len(each.tubes) for each in certificate.proofs),
         coverage=float_below(exact(proof.coverage)),
         seconds=time.monotonic() - begun, proof=proof,
         **proof.facts,
@@ -393,7 +394,8 @@ def _proof_by_parts(
     """Return the proof of a claim from proofs for parts of its parameters."""
     if certificate.window or certificate.regions or certificate.tubes:
         raise LoopProofError("beside its parts it has a map, regions or tubes")
-    if len({part.continuous for part in certificate.by_part}) > 1:
+    parts = certificate.by_part
+    if len({part.continuous for part in parts}) > 1:
         raise LoopProofError("its parts are of the loop as sampled and in continuous time")
     _require_all_parameters(certificate)
     proofs = [
@@ -404,12 +406,12 @@ def _proof_by_parts(
             ),
             part, surfaces,
         )
-        for part in certificate.by_part
+        for part in parts
     ]  # fmt: skip
     return CheckedProof(
         problem,
         tuple(haven for proof in proofs for haven in proof.havens),
-        {} if any(part.tubes for part in certificate.parts) else _facts_of_parts(proofs),
+        {} if any(part.tubes for part in parts) else _facts_of_parts(proofs),
         tuple(words for proof in proofs for words in proof.loop),
         tuple(dict.fromkeys(
             (*(theorem for proof in proofs for theorem in proof.theorems), OF_PARTS)
@@ -550,10 +552,7 @@ def coverage_words(certificate: Certificate, proof: CheckedProof) -> str:
         for name, span in proof.problem.start.items()
         if name not in named
     )
-    window = ", ".join(
-        f"{name_text(name)} in {number_text(low)} .. {number_text(high)}"
-        for name, low, high in certificate.window
-    )
+    window = ", ".join(map(stretch_text, certificate.window))
     count = len(certificate.tubes)
     boxes = f"{count} box{'es' * (count != 1)}"
     share = math.floor(coverage * 1000) / 10  # rounded down: 100 % means all of it

@@ -261,7 +261,6 @@ class _Derivation:
         """Return the radius of K around m: below that of R, a rest lies in R.
 
         For each choice of the parameters there is exactly one in the set over which F' was taken.
-
         """
         names, rest = self.names, self.evidence.rest
         centre = {name: exact(rest[name][0]) for name in names}
@@ -271,13 +270,14 @@ class _Derivation:
         plain: Directions = {name: {name: ONE} for name in names}
         jacobian = self._jacobian(box, plain)
         found = _radii_of_rest(f, jacobian, list(doubt.values()))
-        if all(map(lt, found, doubt.values())):
+        within = all(map(lt, found, doubt.values()))
+        follows = {} if within else self._followed(jacobian)
+        if not follows:
             return dict(zip(names, found, strict=True))
         # Next to an edge of a rule base its slope along a rate is uncertain. At rest the rate is 0
         # for certain, but in the box it is not, since y and the y before are apart. With memory as
         # it follows the states, m = T x + m', it is nearly 0 along x. The set of |x| and |m'|
         # below their radii lies in the box if those of m are |T| times those of x larger.
-        follows = self._followed(jacobian)
         wider = [sum((abs(t) * doubt[n] for n, t in follows.get(name, {}).items()), ZERO)
                  for name in names]  # fmt: skip
         jacobian = self._jacobian(box, {n: {**plain[n], **follows.get(n, {})} for n in names})

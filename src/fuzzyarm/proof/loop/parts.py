@@ -16,6 +16,7 @@ from typing import Any
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.loop_claims import stretch_text
 from fuzzyarm.language.model.claims import LoopClaim, Stretch
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.plant import Plant
@@ -203,7 +204,6 @@ def _halves(claim: LoopClaim, widths: Mapping[str, float]) -> list[LoopClaim]:
 def _words(claim: LoopClaim) -> str:
     """Return the parameters of a claim in words."""
     return ", ".join(
-        f"{name_text(name)} = {number_text(low)}" if low == high
-        else f"{name_text(name)} in {number_text(low)} .. {number_text(high)}"
+        stretch_text((name, low, high)) if low < high else f"{name_text(name)} = {number_text(low)}"
         for name, low, high in claim.parameters
     )  # fmt: skip
