@@ -237,14 +237,23 @@ def test_a_number_that_is_being_typed_outlives_a_new_scene(served, window):
     page.locator('text[data-term="high"]').focus()
     field = page.locator('.details input[aria-label="x high, slope"]')
     field.press("End")
-    page.keyboard.type("5")  # of 2, without Enter yet
-    old = field.element_handle()
-    path.write_text(CURVED.replace("gaussian 2 1", "gaussian 3 1"))
-    until(lambda: not old.evaluate("field => field.isConnected"), "the scene of the other text")
-    page.keyboard.type("0")
+
+    def rewrite(deviation: int) -> None:
+        old = field.element_handle()
+        path.write_text(CURVED.replace("gaussian 2 1", f"gaussian 2 {deviation}"))
+        until(lambda: not old.evaluate("field => field.isConnected"), "the scene of the other text")
+
+    page.keyboard.type(",5")  # of 2, without Enter yet
+    rewrite(3)
     page.keyboard.press("Enter")
-    until(lambda: "bell 8 1 250\n" in text_of(page), "the slope")
-    assert "gaussian 3 1\n" in text_of(page)
+    wrong = page.locator(".details .wrong").get_by_text("'2,5' is not a number")
+    wrong.wait_for()
+    rewrite(4)
+    assert wrong.count() == 1
+    for key in ("Backspace", "Backspace", "5", "Enter"):
+        page.keyboard.press(key)
+    until(lambda: "bell 8 1 25\n" in text_of(page), "the slope")
+    assert "gaussian 2 4\n" in text_of(page)
 
 
 def test_the_kind_of_a_shape_is_chosen_and_undone(served, window):

@@ -364,12 +364,13 @@ export class TermsPane extends Pane {
     if (typed) this.goOnTyping(typed);
   };
 
-  /** A number that is being typed while the terms are drawn anew stays, with its cursor. */
+  /** A number that is being typed while the terms are drawn anew stays, with its cursor and what is wrong with it. */
   goOnTyping = (typed) => {
     const label = typed.getAttribute("aria-label");
     const field = this.fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
     if (!field) return;
     field.value = typed.value;
+    sayWrong(field, typed.parentElement.querySelector(".wrong")?.textContent);
     field.focus();
     field.setSelectionRange(typed.selectionStart, typed.selectionEnd);
   };
