@@ -64,7 +64,7 @@ class Related(NamedTuple):
     span: Span
 
 
-SHORT = "name severity message hint line column"
+SHORT_PROPERTIES = "name severity message hint line column"
 """Properties in JSON of a finding on a text not shown."""
 
 

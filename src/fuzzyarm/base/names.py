@@ -8,7 +8,11 @@ from collections.abc import Iterable
 from functools import lru_cache
 from itertools import islice
 
-_LENGTHS = 4
+_LENGTH_DIFFERENCE = 4
+"""Largest difference in length of a name and its suggestions."""
+
+_SUGGESTIONS = 4
+
 _MOST = 300
 """Limits the time for suggestions in a file with a thousand terms and a thousand mistakes."""
 
@@ -29,7 +33,7 @@ def several_nearest(word: str, choices: Iterable[str], most: int = 3) -> list[st
     if same or len(word) > 100:
         return same[:1]
     begun = [option for option in options if len(key) > 3 and option.casefold().startswith(key)]
-    similar = (option for option in options if abs(len(option) - len(word)) <= _LENGTHS)
+    similar = (option for option in options if abs(len(option) - len(word)) <= _LENGTH_DIFFERENCE)
     closest = _closest(key, tuple(islice(similar, _MOST)))
     return list(dict.fromkeys([*sorted(begun, key=len), *closest]))[:most]
 
@@ -41,7 +45,7 @@ def _closest(key: str, options: tuple[str, ...]) -> list[str]:
 
     cutoff = 0.5 if len(key) <= 3 else 0.6
     spellings = {option.casefold(): option for option in reversed(options)}
-    matches = difflib.get_close_matches(key, spellings, n=_LENGTHS, cutoff=cutoff)
+    matches = difflib.get_close_matches(key, spellings, n=_SUGGESTIONS, cutoff=cutoff)
     return [spellings[match] for match in matches if _is_slip(key, match)]
 
 

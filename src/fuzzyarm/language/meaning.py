@@ -1,8 +1,8 @@
 """Turn a syntax tree into a RuleBase, as far as its statements are sound.
 
 :func:`elaborate` walks the statements and judges the whole: declarations are in
-:mod:`fuzzyarm.language.declarations`, rules in :mod:`fuzzyarm.language.rule_meaning`, their
-demands in :mod:`fuzzyarm.language.demands`.
+:mod:`fuzzyarm.language.declarations`, rules in :mod:`fuzzyarm.language.rule_meaning`,
+expectations, properties, lookup and tuning in :mod:`fuzzyarm.language.demands`.
 """
 
 from __future__ import annotations
@@ -92,8 +92,8 @@ def elaborate(
     for node in nodes:
         if isinstance(node, VariableNode):
             declare_variable(node, scope)
-    # Without any declaration, the names that rules use count as declared: one missing
-    # line is one finding, not one in each rule.
+    # Without any declaration, the names in rules count as declared: a missing line is one finding,
+    # not one in each rule.
     for role in ("input", "output"):
         if not scope.names(role) and not scope.broken_variables:
             scope.presumed |= _presumed(nodes, role)
@@ -319,7 +319,6 @@ def _output(draft: Draft) -> Output:
 
 def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -> None:
     broken = {node.keyword for node in nodes if isinstance(node, Broken)}
-    end = nodes[-1].span if nodes else NOWHERE
     if not any(isinstance(node, Heading) for node in nodes) and "rulebase" not in broken:
         scope.report(
             "missing-heading",
@@ -329,6 +328,20 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
             + ("" if nodes else " , or with  controller NAME"),
             severity=Severity.WARNING,
         )
+    _judge_missing(rulebase, nodes, broken, scope)
+    _judge_chain(rulebase, scope)
+    for output in without_range(rulebase):
+        node = scope.drafts[output.name].node
+        if node.low is not None and node.high is not None:
+            message = f"the output '{output.name}' needs a finite range to be integrated over"
+            scope.report("bad-range", message, node.low.span.to(node.high.span))
+
+
+def _judge_missing(
+    rulebase: RuleBase, nodes: list[StatementNode], broken: set[str], scope: Scope
+) -> None:
+    """Demand inputs, outputs and rules, unless some are unreadable."""
+    end = nodes[-1].span if nodes else NOWHERE
     for what, count in (("input", len(rulebase.inputs)), ("output", len(rulebase.outputs))):
         if count == 0 and what not in broken:
             uses = [
@@ -349,12 +362,6 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
     has_rules = any(isinstance(node, RuleNode | GridNode) for node in nodes)
     if not has_rules and not broken & {"rule", "rules"}:
         scope.report("no-rules", "the file has no rules", end)
-    _judge_chain(rulebase, scope)
-    for output in without_range(rulebase):
-        node = scope.drafts[output.name].node
-        if node.low is not None and node.high is not None:
-            message = f"the output '{output.name}' needs a finite range to be integrated over"
-            scope.report("bad-range", message, node.low.span.to(node.high.span))
 
 
 def _judge_chain(rulebase: RuleBase, scope: Scope) -> None:

@@ -65,13 +65,13 @@ class Part:
     """One part of a row; the base class reads, prints and mentions nothing."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it into `values`."""
+        """Take it from the cursor into `values`."""
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print it of a node."""
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation in a table of the syntax."""
+        """Add its notation to a line of a table of the syntax."""
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""
@@ -96,13 +96,13 @@ class Keyword(Part):
         self.word, self.field, self.width = word, field, width
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the word, and note it where two statements share a node."""
         token = cursor.take()
         if self.field:
             values[self.field] = token.text
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the word."""
         line.add(f"{getattr(node, self.field) if self.field else self.word:<{self.width}}")
 
 
@@ -113,16 +113,16 @@ class FixedText(Part):
         self.text, self.where, self.doc = text, where, doc
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Demand the text."""
         where = self.where.format(**values) if "{" in self.where else self.where
         cursor.expect(self.text, where)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the text."""
         line.add(self.text, _NO_SPACE.get(self.text, ""))
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(self.text, _NO_SPACE.get(self.text, ""))
 
     def words(self) -> Iterator[tuple[str, str]]:
@@ -138,16 +138,16 @@ class Flag(Part):
         self.field, self.text, self.doc = field, text, doc
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Note whether the word follows."""
         values[self.field] = cursor.accept(self.text) is not None
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the word, if it is set."""
         if getattr(node, self.field):
             line.add(self.text)
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(f"[{self.text}]")
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -160,10 +160,10 @@ class Flag(Part):
 
 
 class Column(Part):
-    """The begin of a column aligned with neighbouring lines."""
+    """The start of a column aligned with neighbouring lines."""
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Begin a column."""
         line.column()
 
 
@@ -174,7 +174,7 @@ class Break(Part):
         self.width, self.margin = width, margin
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Mark the break."""
         line.break_off(self)
 
 
@@ -185,7 +185,7 @@ class Suggest(Part):
         self.what, self.about = what, about
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Offer the phrase."""
         cursor.suggest(self.what, *self.about)
 
 
@@ -211,17 +211,17 @@ class Name(Part):
         self.label, self.suggest, self.empty = label, suggest, empty
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take a name."""
         if self.suggest:
             cursor.suggest(self.suggest)
         values[self.field] = cursor.name(self.what.format(**values))
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the name, in quotes if it needs them."""
         line.add(name_text(getattr(node, self.field)))
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(self.label)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
@@ -256,7 +256,7 @@ class VariableName(Name):
         self.role, self.follow = role, follow
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the name of a variable."""
         values[self.field] = cursor.variable(self.what, self.role, self.follow)
 
 
@@ -271,7 +271,7 @@ class Number(Part):
         self.label = f"{label}|{or_word}" if or_word else label
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the number, or the word in its place."""
         word = cursor.accept(self.or_word, likely=True) if self.or_word else None
         values[self.field] = (
             cursor.figure(self.what, finite=self.finite)
@@ -280,13 +280,13 @@ class Number(Part):
         )
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the number, or the word."""
         value = getattr(node, self.field)
         if value is not None:
             line.add(value if isinstance(value, str) else number_text(value))
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(self.label)
 
     def words(self) -> Iterator[tuple[str, str]]:
@@ -308,18 +308,18 @@ class IntervalPart(Part):
         self.field, self.low, self.high, self.where, self.label = field, low, high, where, label
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take both numbers."""
         low = cursor.figure(self.low)
         cursor.expect("..", self.where)
         values[self.field] = low, cursor.figure(self.high)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print both numbers."""
         low, high = getattr(node, self.field)
         line.add(f"{number_text(low)} .. {number_text(high)}")
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -334,20 +334,20 @@ class Text(Part):
         self.field, self.what, self.label = field, what, label
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the string; a mandatory one is demanded."""
         text = cursor.string()
         if text is None and self.what:
             cursor.fail(self.what)
         values[self.field] = text
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the string."""
         text = getattr(node, self.field)
         if text is not None:
             line.add(quote(text, '"'))
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -390,26 +390,22 @@ class Phrase(Part):
         words: Mapping[str, str] | None = None,
         no_space: str = "",
     ) -> None:
-        self.field, self._read, self.label, self._show = field, read, label, show
-        self._mentions, self.empty, self._words, self.no_space = (
-            mentions,
-            empty,
-            words or {},
-            no_space,
-        )
+        self.field, self.label, self.empty, self.no_space = field, label, empty, no_space
+        self._read, self._show, self._mentions = read, show, mentions
+        self._words = words or {}
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Call the reader of the phrase."""
         values[self.field] = self._read(cursor)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Call the printer of the phrase."""
         value = getattr(node, self.field)
         if value is not None:
             line.add(self._show(value), self.no_space)
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         line.add(self.label, self.no_space)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
@@ -441,7 +437,7 @@ class Several(Part):
         self.part, self.between, self.stop, self.label = part, between, stop, label
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take items as long as a mark follows."""
         items = [self._one(cursor, values)]
         while self._more(cursor):
             items.append(self._one(cursor, values))
@@ -459,14 +455,14 @@ class Several(Part):
         return any(cursor.accept(mark) for mark in self.between)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the items with the first mark between them."""
         for index, item in enumerate(getattr(node, self.part.field)):
             if index:
                 line.add(self.between[0], _NO_SPACE.get(self.between[0], ""))
             self.part.show(_Holder(node, self.part.field, item), line)
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         if self.label:
             line.add(self.label)
         else:
@@ -553,7 +549,7 @@ class Maybe(_Together):
         self.first, self.where = parts[0].text, parts[0].where
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the parts if their mark follows."""
         here = cursor.accept(self.first, likely=self.likely) is not None
         # Absent parts have values, too, since the node needs all its fields.
         for name, empty in self.fields():
@@ -574,12 +570,12 @@ class Maybe(_Together):
         return value is not None and value is not False and value != ()
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the parts of a node that has them."""
         if self.is_in(node):
             super().show(node, line)
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         inner = Printed()
         super().sketch(inner)
         no_space = _NO_SPACE.get(self.first, "")
@@ -604,21 +600,21 @@ class OptionParts(Part):
         self.options = options
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take options as long as commas follow."""
         values.update(self.fields())
         while cursor.accept(","):
             with cursor.up_to(","):
                 _chosen(self.options, cursor, "after the comma").read_rest(cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the options, in the order of the row."""
         for option in self.options:
             if option.is_in(node):
                 line.add(",", "before")
                 option.show(node, line)
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         for option in self.options:
             inner = Printed()
             _Together.sketch(option, inner)
@@ -662,7 +658,7 @@ class Forgiving(_Together):
         self.parts, self.finish = parts, finish
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the parts; after a fault all their fields are empty."""
         damaged_before, cursor.is_damaged = cursor.is_damaged, False
         try:
             super().read(cursor, values)
@@ -693,12 +689,12 @@ class OneOf(Part):
         self.docs, self.cases = docs, cases
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the word, then its parts."""
         values[self.field] = word = cursor.word(self.what, self.cases, self.finding)
         read_parts(self.cases[word], cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the word, then its parts."""
         line.add(getattr(node, self.field))
         for part in self.cases[getattr(node, self.field)]:
             part.show(node, line)

@@ -25,16 +25,16 @@ class Inside(Part):
         self.field, self.row = field, row
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take the node, by its row."""
         values[self.field] = self.row.read(cursor)
 
     def show(self, node: Any, line: Printed) -> None:
-        """Print it."""
+        """Print the node, by its row."""
         for part in self.row.parts:
             part.show(getattr(node, self.field), line)
 
     def sketch(self, line: Printed) -> None:
-        """Return its notation."""
+        """Add its notation."""
         for part in self.row.parts:
             part.sketch(line)
 
@@ -62,7 +62,7 @@ class Lines(Part):
         self.field, self.row, self.unread = field, row, unread
 
     def read(self, cursor: Cursor, values: Values) -> None:
-        """Read it."""
+        """Take each line below as a node."""
         cursor.finish()
         items = []
         for line in cursor.lines:
@@ -195,7 +195,7 @@ class ByHand(StatementRow):
         self._syntax, self._words = syntax, words
 
     def read(self, cursor: Cursor) -> Any:
-        """Read it."""
+        """Call the reader of the node."""
         return self.node.read(cursor)
 
     def text(self, node: Any) -> str:
@@ -220,7 +220,7 @@ class ByHand(StatementRow):
 
     @property
     def words(self) -> dict[str, str]:
-        """Yield its words of the language."""
+        """The other words of the language in it, each with its line of help."""
         return dict(self._words)
 
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, span_of
 from fuzzyarm.base.numbers import TIMES, number_text
-from fuzzyarm.language.model.controller import Amount, Factor, Product, Seen, Source, Time
+from fuzzyarm.language.model.controller import Amount, AxisSignal, Factor, Product, Source, Time
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.symbolic.sources import CHOICE, SOURCES, Chosen, Condition, OptionKind, Setting
@@ -25,7 +25,7 @@ Body = tuple[Source | None, tuple[Product, ...]]
 def of_signals(words: Iterable[str]) -> Iterator[Occurrence]:
     """Yield the mentions of signals, gains or partners."""
     for word in words:
-        if isinstance(word, Seen):
+        if isinstance(word, AxisSignal):
             yield Occurrence(NameKind.AXIS, word.axis, word.axis.span)
             yield Occurrence(NameKind.SIGNAL, word.signal, word.signal.span, (word.axis,))
         else:
@@ -144,12 +144,12 @@ def _read_seen(cursor: Cursor, what: str) -> Word:
     if not cursor.accept("."):
         return word
     name = cursor.name(f"a signal of the axis '{word}'")
-    return Seen.of(word, name)
+    return AxisSignal.of(word, name)
 
 
 def signal_text(name: str) -> str:
     """Return the written name of a signal."""
-    if isinstance(name, Seen):
+    if isinstance(name, AxisSignal):
         return f"{name_text(name.axis)}.{name_text(name.signal)}"
     return name_text(name)
 

@@ -32,7 +32,7 @@ _TOKEN = re.compile(
     | (?P<open>["'].*)
     | (?P<name>[^\W\d]\w*(?:-[^\W\d]\w*)*)
     | (?P<number>(?:[0-9]+(?:\.(?!\.)[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?
-        (?:(?!\w)|(?=(?:us|ms|s|min|h)(?!\w))))  # a unit of time may stand close by
+        (?:(?!\w)|(?=(?:us|ms|s|min|h)(?!\w))))  # a unit of time may follow without a space
     | (?P<bad>\.?[0-9][\w.]*)
     | (?P<mark>\.\.|->|<=|>=|[.,:()=<>\\*/^%+-])
     | (?P<stray>.)

@@ -102,15 +102,15 @@ class _GridRun:
         self.order = order
         self.cells: dict[tuple[str, str], Rule] = {}  # by the terms of row and column, in order
         self.last = (-1, -1)
-        self.takes(rule, cell)
+        self.add(rule, cell)
 
-    def takes(self, rule: Rule, cell: _Cell) -> bool:
+    def add(self, rule: Rule, cell: _Cell) -> bool:
         """Add `rule` if it fills a later cell of this grid; return whether it does."""
         row, column, rest = cell
-        place = self.output, self.row, self.column, self.rest
+        grid = self.output, self.row, self.column, self.rest
         position = self.order[row.variable, row.term], self.order[column.variable, column.term]
-        same = (rule.consequents[0].variable, row.variable, column.variable, rest) == place
-        if not same or position <= self.last:
+        is_of_grid = (rule.consequents[0].variable, row.variable, column.variable, rest) == grid
+        if not is_of_grid or position <= self.last:
             return False
         self.cells[row.term, column.term] = rule
         self.last = position
@@ -151,7 +151,7 @@ def _split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | 
     run: _GridRun | None = None
     for rule in rules:
         cell = _as_cell(rule)
-        if run is not None and cell is not None and run.takes(rule, cell):
+        if run is not None and cell is not None and run.add(rule, cell):
             continue
         if run is not None:
             pieces += run.pieces()
@@ -317,14 +317,9 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
         variable.name: (_choice("outside", variable.outside),) for variable in rulebase.inputs
     }
     # The most common setting is written once, others for their variables.
-    nodes = {
-        str(setting_node): setting_node
-        for distinct in settings.values()
-        for setting_node in distinct
-    }
-    counts = Counter(
-        str(setting_node) for distinct in settings.values() for setting_node in distinct
-    )
+    every = [node for own in settings.values() for node in own]
+    nodes = {str(node): node for node in every}
+    counts = Counter(map(str, every))
     shared: list[SettingNode] = []
     for key in _OF_VARIABLES:
         texts = [text for text, node in nodes.items() if node.key == key]
@@ -333,13 +328,9 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
         yield InferenceNode(None, tuple(shared))
     shared_texts = set(map(str, shared))
     for variable in (*rulebase.inputs, *rulebase.outputs):
-        distinct = tuple(
-            setting_node
-            for setting_node in settings[variable.name]
-            if str(setting_node) not in shared_texts
-        )
-        if distinct:
-            yield InferenceNode(Word(variable.name), distinct)
+        own = tuple(node for node in settings[variable.name] if str(node) not in shared_texts)
+        if own:
+            yield InferenceNode(Word(variable.name), own)
 
 
 def _norms(block: RuleBlock, first: RuleBlock) -> tuple[SettingNode, ...]:
@@ -484,13 +475,13 @@ def _outcome(outcome: Outcome) -> OutcomeNode:
 
 def property_node(claim: Property, rulebase: RuleBase) -> ProveNode:
     """Return a property as it would be written in the file of a rule base."""
-    alone = claim.kind == "table" and len(rulebase.outputs) == 1
+    is_obvious = claim.kind == "table" and len(rulebase.outputs) == 1
     return ProveNode(
         tuple(
             StretchNode(Word(name), Figure(low), Figure(high)) for name, low, high in claim.region
         ),
         claim.kind,
-        None if alone else Word(claim.output),
+        None if is_obvious else Word(claim.output),
         None if claim.outcome is None else _outcome(claim.outcome),
         Word(claim.input) if claim.input else None,
         Figure(claim.low) if claim.kind == "slope" else None,

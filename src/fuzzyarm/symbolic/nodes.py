@@ -277,19 +277,21 @@ def replace(root: Node, values: Mapping[str, Number]) -> Node:
 
     Nothing is simplified: x + 0 is not x for x = -0.0.
     """
-    nodes: dict[Node, Node] = {}
-    for node in postorder(root):
+
+    def change(node: Node, new: Node) -> Node:
         if isinstance(node, Symbol) and node.name in values:
-            nodes[node] = as_node(values[node.name])
-        elif isinstance(node, Apply):
-            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
-        else:
-            nodes[node] = node
-    return nodes[root]
+            return as_node(values[node.name])
+        return new
+
+    return rebuilt(root, change)
 
 
 def rebuilt(root: Node, change: Callable[[Node, Node], Node]) -> Node:
-    """Return an expression with `change` of each node and of what it is over changed arguments."""
+    """Rebuild an expression from its leaves on.
+
+    `change` takes each node, and its copy over arguments already changed; it returns the node in
+    their place.
+    """
     nodes: dict[Node, Node] = {}
     for node in postorder(root):
         new = node

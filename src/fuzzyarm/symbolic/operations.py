@@ -99,6 +99,9 @@ _CORRECTLY_ROUNDED = frozenset({"sqrt", "remainder"})
 
 
 # ── floats ───────────────────────────────────────────────────────────────────────────
+#
+# NaN or infinity in place of exceptions. The text of these functions is part of MicroPython
+# exports, docstrings included.
 
 
 def _divide(a: float, b: float) -> float:
@@ -299,6 +302,7 @@ _ZERO, _ONE = constant(0.0), constant(1.0)
 
 
 def _of_one(rule: Callable[[Node], Number]) -> Partials:
+    """Return the partial derivatives of a function of one argument."""
     return lambda a: (rule(a),)
 
 

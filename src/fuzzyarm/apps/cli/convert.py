@@ -49,7 +49,7 @@ from fuzzyarm.apps.cli.command import (
     print_json,
     say,
 )
-from fuzzyarm.base.diagnostic import NOWHERE, SHORT, Diagnostic
+from fuzzyarm.base.diagnostic import NOWHERE, SHORT_PROPERTIES, Diagnostic
 from fuzzyarm.base.files import same_file, write_atomically
 from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import counted
@@ -79,7 +79,7 @@ class Conversion:
     target: str = entry("OUT")
     producer: str | None = entry("the program IN was read as one of")
     written: bool = entry("whether OUT was")
-    diagnostics: Sequence[Diagnostic] = entry("differences", SHORT)
+    diagnostics: Sequence[Diagnostic] = entry("differences", SHORT_PROPERTIES)
     sources: tuple[str, ...] = entry("of several that are connected: all of them", default=())
 
 
@@ -91,7 +91,7 @@ class ConvertedSystem:
     producer: str = entry("the library")
     target: str = entry("the file")
     written: bool = entry("whether it was")
-    diagnostics: Sequence[Diagnostic] = entry("differences", SHORT)
+    diagnostics: Sequence[Diagnostic] = entry("differences", SHORT_PROPERTIES)
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class ScriptConversion:
     """Report on a script."""
 
     source: str = entry("the script")
-    diagnostics: Sequence[Diagnostic] = entry("of the script as a whole", SHORT)
+    diagnostics: Sequence[Diagnostic] = entry("of the script as a whole", SHORT_PROPERTIES)
     systems: list[ConvertedSystem] = entry("in the order in which they were made")
 
 

@@ -18,13 +18,13 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
     Amount,
     Axes,
+    AxisSignal,
     ControllerModel,
     Drive,
     Factor,
     GainModel,
     Learn,
     Product,
-    Seen,
     SignalLine,
     Source,
     Zoom,
@@ -375,7 +375,7 @@ class _DiagramPart:
             if record.function is None:
                 return [pin]
             details = option_words(source)
-            signals = [name for name in source.others() if name in self.signals]
+            signals = [name for name in source.chosen_names() if name in self.signals]
             pins = [(pin, ""), *((self._read(name), "") for name in dict.fromkeys(signals))]
             return [(self._block(kind, kind, details, pins, span=line.span), 0, "")]
         sources = [(self._read(variable), "") for variable in source.inputs]
@@ -399,7 +399,7 @@ class _DiagramPart:
         """Return a signal; in a text with mistakes, perhaps one without a source."""
         if name in self.signals:
             return self.signals[name]
-        if isinstance(name, Seen):
+        if isinstance(name, AxisSignal):
             return self._port("", name, name.span)
         if name in self.partners:
             partner = self.partners[name]

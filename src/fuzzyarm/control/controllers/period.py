@@ -29,13 +29,13 @@ from fuzzyarm.control.controllers.program import of_axis, skipped_drives
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
     Axes,
+    AxisSignal,
     Drive,
     Factor,
     GainModel,
     Learn,
     Line,
     Product,
-    Seen,
     SignalLine,
     Source,
     Zoom,
@@ -661,7 +661,7 @@ class ControlPeriod(Generic[T]):
         """Return a number, a signal or a gain."""
         if not isinstance(value, str):
             return self.algebra.number(float(value))
-        if isinstance(value, Seen):
+        if isinstance(value, AxisSignal):
             name = _seen(value.axis, value.signal).name
             return self._after[name] if name in self._after else self.algebra.unknown(value)
         if value in self.signals:

@@ -33,13 +33,13 @@ from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.language.model.controller import (
     Axes,
+    AxisSignal,
     ControllerModel,
     Drive,
     Factor,
     Learn,
     Line,
     Product,
-    Seen,
     SignalLine,
     Source,
     Zoom,
@@ -330,7 +330,7 @@ class _Writer:
 
     def _signal(self, name: str) -> int:
         """Return the cell of a signal."""
-        if isinstance(name, Seen):
+        if isinstance(name, AxisSignal):
             return self.seen_cells[name.axis, name.signal]
         return self.signal_cells[self.axis, name]
 

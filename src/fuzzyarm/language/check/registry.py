@@ -372,15 +372,14 @@ def judged(findings: Iterable[Diagnostic], document: Document, path: str = "") -
     )
 
 
-# From the most to the least severe.
-_MILDER = list(Severity)
+_FROM_SEVERE_TO_MILD = list(Severity)
 
 
 def _severity(finding: Diagnostic) -> Severity:
     # A finder may judge a single case milder than its kind, never graver.
     if finding.name not in CHECKS:
         return finding.severity
-    return max(finding.severity, CHECKS[finding.name].severity, key=_MILDER.index)
+    return max(finding.severity, CHECKS[finding.name].severity, key=_FROM_SEVERE_TO_MILD.index)
 
 
 def _without_allowed(findings: list[Diagnostic], document: Document) -> Iterator[Diagnostic]:

@@ -152,7 +152,7 @@ class Partner:
 # --- The lines of an axis ---
 
 
-class Seen(Word):
+class AxisSignal(Word):
     """``AXIS.NAME``: a signal of an axis further up."""
 
     __slots__ = ("axis", "signal")
@@ -161,14 +161,14 @@ class Seen(Word):
     signal: Word
 
     @classmethod
-    def of(cls, axis: Word, signal: Word) -> Seen:
+    def of(cls, axis: Word, signal: Word) -> AxisSignal:
         """Return the name of a signal of an axis."""
-        seen = cls(f"{axis}.{signal}", axis.span.to(signal.span))
-        seen.axis, seen.signal = axis, signal
-        return seen
+        name = cls(f"{axis}.{signal}", axis.span.to(signal.span))
+        name.axis, name.signal = axis, signal
+        return name
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Seen.of, (self.axis, self.signal)
+        return AxisSignal.of, (self.axis, self.signal)
 
 
 class Factor(NamedTuple):
@@ -231,8 +231,8 @@ class Source:
             if isinstance(value, str) and word in kinds and kinds[word].accepts == "number":
                 yield value
 
-    def others(self) -> Iterator[str]:
-        """Yield the signals and gains in its options, conditions included."""
+    def chosen_names(self) -> Iterator[str]:
+        """Yield the signals and gains of its conditional options, conditions included."""
         for _, value in self.options:
             if isinstance(value, Chosen):
                 yield from value.names()
@@ -256,7 +256,7 @@ class SignalLine:
         yield from _names_in(self.products)
         if self.source is not None:
             yield from self.source.inputs
-            yield from self.source.others()
+            yield from self.source.chosen_names()
             if self.source.record.of == "signal":
                 yield self.source.name
 
@@ -467,7 +467,7 @@ class Axes:
         names : collection of str
             Signals of this axis, and of those further up as ``AXIS.NAME``.
         """
-        moved, taught = set(names), set[str]()  # signals, and tables that learn from them
+        moved, taught = set(names), set[str]()  # signals; learning tables with a corrected cell
         for line in self.lines:
             source = line.source if isinstance(line, SignalLine) else None
             looks_up = source is not None and source.kind == "table" and source.name in taught
@@ -577,10 +577,10 @@ class ControllerModel(OfKind):
             signals: dict[str, dict[str, None]] = {"": {}}
             for _, line in self.lines():
                 for name in line.reads():
-                    if isinstance(name, Seen):
+                    if isinstance(name, AxisSignal):
                         signals.setdefault(name.axis, {})[name.signal] = None
                         signals[""][name.signal] = None
-            self._seen.update({axis: tuple(found) for axis, found in signals.items()})
+            self._seen.update({axis: tuple(names) for axis, names in signals.items()})
         return self._seen.get(axis, ())
 
     def lines(self) -> Iterator[tuple[Axes, Line]]:

@@ -280,7 +280,7 @@ def _read_by(line: Line) -> Iterator[str]:
     if isinstance(line, SignalLine) and line.source is not None:
         yield from (line.source.name, *line.source.inputs)
         yield from (str(value) for _, value in line.source.options)
-        yield from line.source.others()
+        yield from line.source.chosen_names()
 
 
 def _mentions(model: ControllerModel, name: str) -> int:

@@ -29,7 +29,7 @@ from fuzzyarm.control.controllers.reach import (
 )
 from fuzzyarm.control.controllers.text import ControllerText, input_names
 from fuzzyarm.inference.infer import infer, silent
-from fuzzyarm.language.model.controller import Drive, Seen, SignalLine, Source, Zoom
+from fuzzyarm.language.model.controller import AxisSignal, Drive, SignalLine, Source, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import choice_text, chosen_text
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
@@ -93,7 +93,7 @@ class AxisLines:
         self.only_values = False
         self._cache = cache
 
-    def reach_of(self, seen: Seen) -> Interval:
+    def reach_of(self, seen: AxisSignal) -> Interval:
         """Return the range of a signal of another axis."""
         return self.signals[seen.axis, seen.signal].at
 
@@ -206,7 +206,7 @@ class LineWalk(Algebra[SignalLaw]):
 
     def unknown(self, name: str) -> SignalLaw:
         """Return the law of a partner, or of a signal of another axis."""
-        if isinstance(name, Seen):
+        if isinstance(name, AxisSignal):
             return unknown(self.case.reach_of(name), f"'{name}' is a signal of another axis")
         return unknown(EVERYTHING, f"'{name}' is a law of its own")
 
