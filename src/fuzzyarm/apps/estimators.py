@@ -95,9 +95,9 @@ class _FuzzyModel(BaseEstimator):
         check_is_fitted(self)
         inputs = validate_data(self, X, reset=False, dtype=np.float64)
         names = tuple(variable.name for variable in self.rulebase_.inputs)
-        silent = np.zeros(len(inputs))
+        unknown = np.zeros(len(inputs))
         target = self.rulebase_.outputs[0].name if not classes else "class"
-        return outputs_of(self.rulebase_, Samples(names, inputs, target, silent, classes))
+        return outputs_of(self.rulebase_, Samples(names, inputs, target, unknown, classes))
 
 
 class FuzzyRegressor(RegressorMixin, _FuzzyModel):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.inference.infer import infer, silent
+from fuzzyarm.inference.infer import infer, with_nan_for_no_rule
 from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic.kinds import SHAPES
@@ -90,7 +90,7 @@ class _Search:
     """Both rule bases over points: an array with a column for each input of the second one."""
 
     def __init__(self, before: RuleBase, after: RuleBase) -> None:
-        self.before, self.after = silent(before), silent(after)
+        self.before, self.after = with_nan_for_no_rule(before), with_nan_for_no_rule(after)
         self.inputs = paired(before.inputs, after.inputs, "input")
         self.outputs = paired(before.outputs, after.outputs, "output")
         self.low = np.array([min(one.low, two.low) for one, two in self.inputs])

@@ -6,13 +6,13 @@ numbers. In the order of memory:
 ====================  =======================================================================
 whole numbers ``k``   head (below), inputs, outputs, programs; row functions by address
 floats ``f``          ranges, edges of cells, lines, weights, layers, samples, consequents
-rows ``scratch``         to work in, each as long as there are points: ones, zeros, degrees,
-                      heights of sets, strength, total, moment; behind them one row of samples
+rows ``scratch``      work rows, a number for each point: ones, zeros, degrees, heights of
+                      sets, strength, total, moment; behind them one row of samples
 columns               the inputs, one row each
 results               the outputs, one row each
 ordered               the inputs once more, points of one program together
-order                 for each point its program, and where it came from
-ends                  where the points of each program end
+order                 for each point its program, and its index before the sort
+ends                  the end of each program's points
 ====================  =======================================================================
 
 A program is a stretch of whole numbers::
@@ -40,19 +40,20 @@ from fuzzyarm.symbolic.kernels import kernel, whole_numbers
 
 # ── indices by name ─────────────────────────────────────────────────────────────────
 
-# Head of the whole numbers: counts; first rows; where programs and outputs begin;
+# Head of the whole numbers: counts; first rows; begin of the programs and of the outputs;
 INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
-# points and length of a row; where the parts of the block begin, and its end;
+# points and length of a row; begin of each part of the block, and its end;
 POINTS, WIDTH, FLOATS, SCRATCH, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
-# address of `run`, then its arguments and those of the defuzzifiers: where in the block the
-# inputs are, where the program is, first point and number of points (in `order`), how many
-# outputs were NaN; where the groups of an output are, where its program goes on, its head.
+# address of `run`, then its arguments and those of the defuzzifiers: index of the inputs in the
+# block, index of the program, first point and number of points (in `order`), number of NaN
+# outputs; index of an output's groups, index of the rest of the program, head of the output.
 RUN, INPUT_ROWS, PROGRAM, FIRST, COUNT, MISSING, GROUPS, NEXT, OUTPUT = range(19, 28)
 HEAD = 28
 
-# For each input, from HEAD on: whether it is clamped; buckets that lead to its cells; its
-# first row of degrees and the most lines of a cell; its curved terms: how many, and where
-# (for each an address, where its numbers are, and how many); the cell of the last point.
+# For each input, from HEAD on: whether it is clamped; its buckets, their cells and the edges of
+# cells; its stride in the number of a program; its first row of degrees and the most lines of a
+# cell; the number of its curved terms and their index (for each an address, the index of its
+# numbers and their count); the cell of the last point.
 CLAMPED, BUCKETS, STARTS_AT, EDGES_AT, STRIDE, SLOT, MOST_LINES, CURVES, CURVES_AT = range(9)
 LAST_CELL = 9
 INPUT_HEAD = 10
@@ -92,7 +93,7 @@ RULE_HEAD = 2
 TRUTH_HEAD = 4
 """Whole numbers before the operands of an expression in parentheses."""
 
-BY_ITSELF = MIN, PRODUCT, MAX, SUM = range(4)
+BUILT_IN = MIN, PRODUCT, MAX, SUM = range(4)
 """Norms built into the kernel; any other number is an address."""
 
 ONES = 0

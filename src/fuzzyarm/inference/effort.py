@@ -7,7 +7,7 @@ microseconds are those of one processor of 2024; nine of ten random rule bases (
 
 from __future__ import annotations
 
-from fuzzyarm.inference.layout import what_is_not_covered
+from fuzzyarm.inference.layout import uncovered_feature
 from fuzzyarm.inference.plan import OutputPlan, plan
 from fuzzyarm.inference.programs import SEARCHED, program_of
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -44,7 +44,7 @@ INTERPRETED = 100.0
 def microseconds(rulebase: RuleBase) -> float:
     """Return the estimated time of one point among many."""
     steps = plan(rulebase)
-    slower = INTERPRETED if what_is_not_covered(rulebase) else 1.0
+    slower = INTERPRETED if uncovered_feature(rulebase) else 1.0
     time = slower * PER_RULE * len(steps.rules)
     for output in steps.outputs.values():
         is_searched = program_of(output) is SEARCHED

@@ -31,12 +31,12 @@ class Outcome(NamedTuple):
     ----------
     values : dict of str to float
         Inputs clamped to their ranges, and outputs.
-    silent : frozenset of str
+    without_value : frozenset of str
         Outputs without a value of their own: no rule fires, or a formula is undefined.
     """
 
     values: dict[str, float]
-    silent: frozenset[str]
+    without_value: frozenset[str]
 
 
 class Compiled:
@@ -187,10 +187,10 @@ class Compiled:
         values = {v.name: bring_into_range(v, given[v.name]) for v in self.rulebase.inputs}
         if held:
             check_names(held, self._outputs, what="output")
-        silent = set[str]()
+        without_value = set[str]()
         for stage in self._stages:
-            silent |= stage.complete(values, held or {})
-        return Outcome(values, frozenset(silent))
+            without_value |= stage.complete(values, held or {})
+        return Outcome(values, frozenset(without_value))
 
 
 def _by_name(names: tuple[str, ...], values: tuple[Any, ...]) -> dict[str, Any]:
@@ -205,14 +205,14 @@ def _is_by_name(value: Any) -> bool:
 
 
 @remembered
-def kept(rulebase: RuleBase) -> Compiled:
+def cached_engine(rulebase: RuleBase) -> Compiled:
     """Return a rule base laid out for the kernel; the last few are cached."""
     return Compiled(rulebase)
 
 
 def _engine(engine: ref[Compiled], rulebase: RuleBase) -> Compiled:
     """Return an engine, or one like it when `at` outlives it."""
-    return engine() or kept(rulebase)
+    return engine() or cached_engine(rulebase)
 
 
 def _at(engine: Callable[[], Compiled], *values: Any) -> tuple[float, ...]:

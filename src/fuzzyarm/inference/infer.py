@@ -127,15 +127,15 @@ def _outputs(
     """Evaluate a rule base at inputs without labels."""
     if outputs is not None:
         return _some(rulebase, inputs, held, outputs)
-    from fuzzyarm.inference.engine import kept  # takes a while to import
+    from fuzzyarm.inference.engine import cached_engine  # takes a while to import
 
-    engine = kept(rulebase)
+    engine = cached_engine(rulebase)
     remember_point(rulebase, engine.named_point)
     return engine.evaluate(inputs, held)
 
 
 @remembered
-def silent(rulebase: RuleBase) -> RuleBase:
+def with_nan_for_no_rule(rulebase: RuleBase) -> RuleBase:
     """Return a rule base with NaN where no rule fires and the file states no number."""
     outputs = (
         output if isinstance(output.no_rule, int | float) else replace(output, no_rule=math.nan)

@@ -198,8 +198,8 @@ def evaluate(block: Any) -> None:
         else:
             total, moment, at = _defuzzified_point(block, k, scratch, head, groups, at)
         value = _value_of_output(k, f, scratch, head, total, moment, form.grid)
-        low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
-        value = settled(k[head + OUT_MODE], low, high, silent, total, value)
+        low, high, no_rule = f[bounds], f[bounds + 1], f[bounds + 2]
+        value = settled(k[head + OUT_MODE], low, high, no_rule, total, value)
         block[results + o] = value
         if math.isnan(value):
             k[MISSING] += 1
@@ -480,10 +480,10 @@ def _fuzzify_point(
 @kernel
 def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: Any) -> int:
     """Clamp values to the range, substitute the value for no rule; count the NaN."""
-    low, high, silent = bounds[0], bounds[1], bounds[2]
+    low, high, no_rule = bounds[0], bounds[1], bounds[2]
     count = total.shape[0]
     for point in range(count):
-        value[point] = settled(mode, low, high, silent, total[point], value[point])
+        value[point] = settled(mode, low, high, no_rule, total[point], value[point])
     missing = 0
     for point in range(count):
         if math.isnan(value[point]):
@@ -494,18 +494,20 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
 
 
 @kernel
-def settled(mode: int, low: float, high: float, silent: float, total: float, value: float) -> float:
+def settled(
+    mode: int, low: float, high: float, no_rule: float, total: float, value: float
+) -> float:
     """Return a value clamped to the range, or the one for points where no rule fires."""
-    found = silent
+    result = no_rule
     if total > 0.0:
-        found = value
+        result = value
         if mode == CLAMP:
-            found = min(max(found, low), high)
-        elif mode == ERROR and not low <= found <= high:
-            found = math.nan
-        if not abs(found) < math.inf:  # NaN too: the caller finds the error
-            found = math.nan
-    return found
+            result = min(max(result, low), high)
+        elif mode == ERROR and not low <= result <= high:
+            result = math.nan
+        if not abs(result) < math.inf:  # NaN too: the caller finds the error
+            result = math.nan
+    return result
 
 
 @kernel

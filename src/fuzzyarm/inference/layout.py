@@ -91,7 +91,7 @@ def lay_out(
 
 
 @remembered
-def what_is_not_covered(rulebase: RuleBase) -> str:
+def uncovered_feature(rulebase: RuleBase) -> str:
     """Return why the kernel cannot evaluate a rule base; empty if it can."""
     try:
         for stage in stages(rulebase):
@@ -104,8 +104,8 @@ def what_is_not_covered(rulebase: RuleBase) -> str:
 _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
 """Programs by their content, with the number of heights of each output."""
 
-MOST_KNOWN, MOST_KEPT = 16, 50_000
-"""Number of entries before the cache is cleared, and the largest size of one."""
+MOST_CACHED, LARGEST_CACHED = 16, 50_000
+"""Number of programs before the cache is cleared, and the largest size of one."""
 
 
 class _Writer:
@@ -140,7 +140,7 @@ class _Writer:
                 return
         self.rules = [self._rule(i, planned) for i, planned in enumerate(self.plan.rules)]
         # Norms and hedges by address belong to one process, or to the text of one export.
-        if not self.truths and all(rule.norm in at.BY_ITSELF for rule in self.rules):
+        if not self.truths and all(rule.norm in at.BUILT_IN for rule in self.rules):
             numbering = _NumberedRules(self.plan.rules, self.numbers, self.rules)
             _last_numbered[:] = [numbering, *_last_numbered[:3]]
 
@@ -218,7 +218,7 @@ class _Writer:
         uncut = {self.editable}
         while True:
             self._cut(uncut)
-            self.homes = [_homes(cells) for cells in self.cells]
+            self.nonzero_cells = [_nonzero_cells(cells) for cells in self.cells]
             programs = math.prod(len(cells.lines) for cells in self.cells)
             few = programs * (len(self.rules) + len(self.truths)) <= MOST_ENTRIES
             if programs <= MOST_PROGRAMS and (few or self._entries() <= MOST_ENTRIES):
@@ -261,10 +261,9 @@ class _Writer:
         if rule.number in self.alive:
             return self.alive[rule.number]
         alive: list[Sequence[int]] = []
-        for cells, homes in zip(self.cells, self.homes, strict=True):
-            cells_of_parts = (
-                [homes[part] for part in rule.parts if part in homes] if rule.conjunction else []
-            )
+        for cells, nonzero in zip(self.cells, self.nonzero_cells, strict=True):
+            parts = rule.parts if rule.conjunction else ()
+            cells_of_parts = [nonzero[part] for part in parts if part in nonzero]
             if len(cells_of_parts) < 2:
                 alive.append(cells_of_parts[0] if cells_of_parts else range(len(cells.lines)))
             else:
@@ -327,22 +326,22 @@ class _Writer:
         moved terms, as in tuning, costs a fraction.
         """
         first = len(self.whole)
-        places = (first, count, self.operands, self.rule_floats[:1], self.lines)
+        indices = (first, count, self.operands, self.rule_floats[:1], self.lines)
         rules = [rule[:4] for rule in self.rules]
         key = repr(
             (
-                places,
+                indices,
                 rules,
                 self.rows,
                 self.truths,
-                [output_writer.places() for output_writer in writers],
+                [writer.indices() for writer in writers],
             )
         )
         earlier = _programs.get(key)
         if earlier is None:
             self._write_each_program(writers, strides, count)
-            if len(self.whole) - first <= MOST_KEPT:
-                if len(_programs) >= MOST_KNOWN:
+            if len(self.whole) - first <= LARGEST_CACHED:
+                if len(_programs) >= MOST_CACHED:
                     _programs.clear()  # in one step: other threads write, too
                 rows = tuple(writer.heights for writer in writers)
                 _programs[key] = (tuple(self.whole[first:]), rows)
@@ -384,12 +383,12 @@ class _Writer:
         self.floats += [-sys.float_info.max, *cells.edges[1:]]
         listed = [sorted(lines) for lines in cells.lines]
         most = max(map(len, listed))
-        here: list[tuple[int, int]] = []
+        lines_of_cells: list[tuple[int, int]] = []
         for parts_here, lines in zip(listed, cells.lines, strict=True):
-            here.append((len(self.floats), len(parts_here)))
+            lines_of_cells.append((len(self.floats), len(parts_here)))
             for part in parts_here:
                 self.floats += lines[part]
-        self.lines.append(here)
+        self.lines.append(lines_of_cells)
         curves = len(self.whole)
         terms = {number: (term, hedges) for (_, term, hedges), number in self.numbers.items()}
         for j, (number, curve) in enumerate(self.curves[i]):
@@ -431,8 +430,8 @@ class _Writer:
         record += [rows.get(part, zero) for part in rule.parts]
         missing = self.operands - len(rule.parts)
         if missing:
-            is_by_itself = rule.norm not in at.BY_ITSELF  # which skips a row of ones
-            neutral = self.one if rule.conjunction or is_by_itself else zero
+            by_address = rule.norm not in at.BUILT_IN  # such a norm skips a row of ones
+            neutral = self.one if rule.conjunction or by_address else zero
             if rule.norm == at.MIN and max(rule.parts) < 0:  # a sum in parentheses may exceed 1
                 neutral = record[-1]
             record += [neutral] * missing
@@ -444,10 +443,10 @@ def _lacks_values(hedges: tuple[Hedge, ...]) -> bool:
     return any(math.isnan(apply_hedges(hedges, 1.0 + i / 8)) for i in range(1, 17))
 
 
-def _homes(cells: InputCells) -> dict[int, list[int]]:
+def _nonzero_cells(cells: InputCells) -> dict[int, list[int]]:
     """Return the nonzero cells of each straight proposition."""
-    homes: dict[int, list[int]] = {}
+    nonzero: dict[int, list[int]] = {}
     for cell, lines in enumerate(cells.lines):
         for part in lines:
-            homes.setdefault(part, []).append(cell)
-    return homes
+            nonzero.setdefault(part, []).append(cell)
+    return nonzero

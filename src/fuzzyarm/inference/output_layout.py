@@ -173,8 +173,8 @@ class OutputWriter:
         self.program = program_of(plan, editable=self.editable)
         mode = {"clamp": at.CLAMP, "extend": at.EXTEND, "error": at.ERROR}[output.outside]
         floats = len(base.floats)
-        silent = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
-        base.floats += [output.low, output.high, silent, 0.0]
+        no_rule = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
+        base.floats += [output.low, output.high, no_rule, 0.0]
         self.members: dict[int, list[int]] = {}
         for member, rule in plan.contributions:
             self.members.setdefault(rule, []).append(member)
@@ -502,7 +502,7 @@ class OutputWriter:
         *coefficients, constant_term = shape.parameters
         return positions.LINEAR, none, [constant_term, *coefficients]
 
-    def places(self) -> tuple[object, ...]:
+    def indices(self) -> tuple[object, ...]:
         """Return all data of this output on which :meth:`write` depends."""
         united = self.plan.output.aggregation == "max"
         values = self._has_values

@@ -145,14 +145,14 @@ def _plan_type_2(doubled: Doubled) -> Plan:
 
 def _check_variables(rulebase: RuleBase) -> None:
     variables = [*rulebase.inputs, *rulebase.outputs]
-    names_there = [variable.name for variable in variables]
-    if len(set(names_there)) < len(names_there):
-        twice = next(name for name in names_there if names_there.count(name) > 1)
+    declared = [variable.name for variable in variables]
+    if len(set(declared)) < len(declared):
+        twice = next(name for name in declared if declared.count(name) > 1)
         raise InferenceError(f"there are two variables called '{twice}'")
     for rule in rulebase.rules:
         parts: list[Is | Consequent] = [*propositions(rule.antecedent), *rule.consequents]
         for part in parts:
-            _check_reference(rulebase, part, names_there)
+            _check_reference(rulebase, part, declared)
 
 
 def _check_reference(rulebase: RuleBase, part: Is | Consequent, names: list[str]) -> None:
@@ -458,13 +458,13 @@ def _check_formula(
 ) -> None:
     from fuzzyarm.symbolic.formulas import CONSTANTS
 
-    names_there = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
+    declared = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
     for name in formula.names:
-        if name == POSITION and name not in names_there and not discrete:
+        if name == POSITION and name not in declared and not discrete:
             continue
-        if name not in names_there and name not in CONSTANTS:
-            raise UnknownNameError(name, names_there, what="variable")
-        if name in names_there and is_set:
+        if name not in declared and name not in CONSTANTS:
+            raise UnknownNameError(name, declared, what="variable")
+        if name in declared and is_set:
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a set: its formula may use {POSITION} only"
             )
@@ -502,8 +502,9 @@ def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
 
 
 def _is_enveloped(output: Output, members: Sequence[Member]) -> bool:
-    way = output.defuzzifier
-    exact = way.record.of in ("gravity", "ends") and way.resolution is None
+    defuzzifier = output.defuzzifier
+    of_area = defuzzifier.record.of in ("gravity", "ends")
+    exact = of_area and defuzzifier.resolution is None
     return exact and bool(members) and has_envelope(output, members)
 
 
@@ -565,11 +566,11 @@ def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
     It has the necessary rules, inputs and other outputs, the first input if the outputs depend on
     none, and is the rule base itself if that is all of it.
     """
-    wanted_outputs = tuple(outputs)
+    names = tuple(outputs)
     parts = _parts(rulebase)
-    if wanted_outputs not in parts:
-        parts[wanted_outputs] = _part_for(rulebase, wanted_outputs)
-    return parts[wanted_outputs]
+    if names not in parts:
+        parts[names] = _part_for(rulebase, names)
+    return parts[names]
 
 
 def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:

@@ -168,7 +168,7 @@ class Stage:
         """
         missing = tuple(name for name in self.inputs if math.isnan(values[name]))
         columns = [0.0 if name in missing else values[name] for name in self.inputs]
-        silent = set[str]()
+        without_value = set[str]()
         outputs = self.rulebase.outputs
         for output, found in zip(outputs, self.without(missing)._judge.found(columns), strict=True):
             value = found
@@ -178,11 +178,11 @@ class Stage:
                     raise NotANumberError(output.name, f"has none at {where}")
                 value = None
             if value is None:
-                silent.add(output.name)
+                without_value.add(output.name)
                 values[output.name] = self._value_for_no_rule(output, values, held)
             else:
                 values[output.name] = bring_into_range(output, value)
-        return silent
+        return without_value
 
     def _value_for_no_rule(
         self, output: Output, values: Mapping[str, float], held: Mapping[str, float]
@@ -258,7 +258,7 @@ class _Judge:
                     found[o] = None
         return found
 
-    def _evaluated(self, columns: Sequence[float], mode: int, silent: float) -> list[float]:
+    def _evaluated(self, columns: Sequence[float], mode: int, no_rule: float) -> list[float]:
         """Run the kernel with other settings for outside values and for no rule."""
         numbers, k = self._block.numbers, self._block.whole
         for o in range(len(self._outputs)):
@@ -267,7 +267,7 @@ class _Judge:
             bounds = k[at.FLOATS] + k[head + at.FLOATS_AT]
             for end in (bounds, bounds + 1):
                 numbers[end] = min(max(numbers[end], -LARGEST), LARGEST)
-            numbers[bounds + 2] = silent
+            numbers[bounds + 2] = no_rule
         for column, value in enumerate(columns, self._block.columns):
             numbers[column] = min(max(value, -LARGEST), LARGEST)  # infinity is in no cell
         self._run()

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from fuzzyarm.base.jsonable import JsonRecord, json_properties
 from fuzzyarm.base.shown import Drawn, one_line
 from fuzzyarm.inference.aggregate import Fired, aggregate, folded_strengths
-from fuzzyarm.inference.engine import Outcome, kept
+from fuzzyarm.inference.engine import Outcome, cached_engine
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.infer import infer_interval
 from fuzzyarm.inference.inputs import bring_into_range
@@ -260,7 +260,7 @@ def explain(
     """
     rulebase = model_of(rulebase)
     values_by_name = by_name(inputs, named, rulebase.inputs)
-    point = kept(rulebase).outcome(values_by_name, held)
+    point = cached_engine(rulebase).outcome(values_by_name, held)
     steps = plan(rulebase)
     strengths = rule_strengths(steps, point.values)
     names = dict.fromkeys([*(v.name for v in rulebase.inputs), *_outputs_read(steps)])
@@ -425,7 +425,7 @@ def _output_trace(
         output.low,
         output.high,
         method,
-        output.name not in asserted.point.silent,
+        output.name not in asserted.point.without_value,
         consequents,
         union,
         asserted.point.values[output.name],

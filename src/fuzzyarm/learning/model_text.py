@@ -266,7 +266,7 @@ def _output(
 
 
 def weighted_output(
-    name: str, low: float, high: float, terms: tuple[Term, ...], silent: float, outside: str
+    name: str, low: float, high: float, terms: tuple[Term, ...], no_rule: float, outside: str
 ) -> Output:
     """Return an output that averages its terms, with its value for no rule."""
     return Output(
@@ -277,7 +277,7 @@ def weighted_output(
         outside=outside,
         aggregation="sum",
         defuzzifier=Defuzzifier("weighted-average"),
-        no_rule=silent,
+        no_rule=no_rule,
     )
 
 

@@ -138,9 +138,8 @@ def wang_mendel(
         for name, (low, high) in zip(samples.names, ranges[:-1], strict=True)
     )
     low, high = ranges[-1]
-    # Value of the output if no rule fires.
-    silent = middle_of(samples.values)
-    output = weighted_output(samples.target, low, high, terms(low, high), silent, "clamp")
+    no_rule = middle_of(samples.values)
+    output = weighted_output(samples.target, low, high, terms(low, high), no_rule, "clamp")
     rules = tuple(
         Rule(_antecedent(samples.names, names, row), (Consequent(output.name, names[word]),))
         for row, word in zip(

@@ -165,9 +165,9 @@ def _print_review(path: str, review: Review, *, quiet: bool) -> None:
 
 def _engine_of(rulebase: RuleBase) -> str:
     """Return whether the kernel covers a rule base, and why not."""
-    from fuzzyarm.inference.layout import what_is_not_covered
+    from fuzzyarm.inference.layout import uncovered_feature
 
-    reason = what_is_not_covered(rulebase)
+    reason = uncovered_feature(rulebase)
     return f"not covered by the kernel: {reason}" if reason else "covered by the kernel"
 
 

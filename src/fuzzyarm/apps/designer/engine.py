@@ -67,7 +67,7 @@ class Functions:
         key = json.dumps(described, sort_keys=True)
         if key not in self._numbers:
             # The first numbers are the norms built into the kernel.
-            self._numbers[key] = len(block.BY_ITSELF) + len(self.described)
+            self._numbers[key] = len(block.BUILT_IN) + len(self.described)
             self.described.append(described)
         return self._numbers[key]
 

@@ -72,7 +72,7 @@ def headers_for_any_platform(folder: Path) -> Path:
 
 
 def declared_names(headers: Path) -> dict[str, bool]:
-    """Return the declarations of Python's public headers: names, and whether each is data.
+    """Return the names that Python's public headers declare, each with whether it is data.
 
     Some belong to later versions or to no stable ABI: a module that uses one fails to load, as on
     every platform.
@@ -189,8 +189,8 @@ class Compiler(NamedTuple):
         """Make the import library with the symbols of ``python3.dll`` for Windows."""
         tool = (*self.words[:3], "dlltool") if self.is_zig else ("dlltool",)
         machine = {"aarch64": "arm64"}.get(self.machine, "i386:x86-64")
-        whole = ("-m", machine, "-d", str(definition), "-l", str(result))
-        Compiler(tool, self.machine, self.system).run(*whole)
+        flags = ("-m", machine, "-d", str(definition), "-l", str(result))
+        Compiler(tool, self.machine, self.system).run(*flags)
 
     def run(self, *words: str) -> None:
         """Run the compiler; BuildError, with its output, if it fails or cannot be started."""
@@ -251,8 +251,8 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
     """Build the module into a folder."""
     compiler = compiler or find_compiler()
     result = folder / f"_kernels{SUFFIXES[compiler.system]}"
-    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
-        work = Path(room)
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder_name:
+        work = Path(folder_name)
         jobs = list(_jobs(work, compiler))
         with ThreadPoolExecutor(processors()) as pool:  # the compiler is another process
             list(pool.map(lambda job: compiler.compile(job.source, job.result, *job.flags), jobs))
@@ -331,11 +331,12 @@ def main() -> None:
     parser.add_argument(
         "--note", action="store_true", help="note the digest of the C, and build nothing"
     )
-    words = parser.parse_args()
-    if words.note:
+    arguments = parser.parse_args()
+    if arguments.note:
         note_digest(digest_of(kernels_in_c(roots())))
         return
-    build(words.folder, zig(*words.platform.split("-")) if words.platform else None)
+    platform_named = arguments.platform
+    build(arguments.folder, zig(*platform_named.split("-")) if platform_named else None)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from fuzzyarm.control.controllers.period import (
     Remembered,
 )
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.inference.infer import infer, silent
+from fuzzyarm.inference.infer import infer, with_nan_for_no_rule
 from fuzzyarm.language.model.controller import GainModel
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import RunArithmetic
@@ -109,7 +109,7 @@ class Floats(Algebra[float]):
 
     def rules(self, rulebase: RuleBase, inputs: Mapping[str, float]) -> list[float]:
         """Return the outputs of a rule base."""
-        return [float(value) for value in infer(silent(rulebase), inputs).values()]
+        return [float(value) for value in infer(with_nan_for_no_rule(rulebase), inputs).values()]
 
     def table(self, table: LookupTable, inputs: Mapping[str, float]) -> float:
         """Return the value of a lookup table, rounded as a gain."""

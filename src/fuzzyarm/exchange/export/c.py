@@ -33,7 +33,7 @@ from fuzzyarm.exchange.export.typed_program import (
     COUNT,
     INDEX,
     NOTHING,
-    PLACE,
+    OFFSET,
     TRUTH,
     Function,
     Member,
@@ -53,7 +53,7 @@ _TYPES = {
     COUNT: "unsigned long",
     INDEX: "unsigned",
     TRUTH: "bool",
-    PLACE: "int",
+    OFFSET: "int",
     NOTHING: "void",
 }
 _MARKS = {COUNT: "UL", INDEX: "u"}
@@ -98,7 +98,7 @@ def _array(printer: Printer, name: str, kind: Kind, values: Sequence[float], col
 
 def _cast(text: str, before: Kind, after: Kind) -> str:
     # An index may have any integer type, and a short one is promoted.
-    plain = before is after or (before, after) in {(PLACE, INDEX), (np.int16, PLACE)}
+    plain = before is after or (before, after) in {(OFFSET, INDEX), (np.int16, OFFSET)}
     return text if plain else f"({_TYPES[after]}){text}"
 
 

@@ -262,7 +262,7 @@ class _Lowering:
         else:
             value, kind = self._picked(step), self.outer
         once = isinstance(following, Set) and self.uses.get(step.target) == 1
-        if isinstance(step, Ask) and self._may_be_silent(step):
+        if isinstance(step, Ask) and self._may_lack_value(step):
             fires = f"fires {step.target}"
             self.local[fires] = Variable("fires", TRUTH)
             self.fired.append(symbol(fires))
@@ -329,9 +329,9 @@ class _Lowering:
         number = cast(Called(key, tuple(numbers)), routine.kind, self.wide)
         return replace(unscaled(core.output, symbol("number")), {"number": number}), self.wide
 
-    def _may_be_silent(self, query: Ask) -> bool:
+    def _may_lack_value(self, query: Ask) -> bool:
         """Whether a rule base has a flag for "no value"."""
-        return self.flags and self.program.functions[f"routine {query.routine}"].may_be_silent
+        return self.flags and self.program.functions[f"routine {query.routine}"].may_lack_value
 
     def _cell(self, grid: str) -> str:
         """Return the key of the function that finds a cell of a table that learns."""

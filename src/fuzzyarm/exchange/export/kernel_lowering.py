@@ -38,13 +38,13 @@ from fuzzyarm.exchange.export.sets import TABLE_HINT
 from fuzzyarm.exchange.export.typed_program import (
     INDEX,
     NOTHING,
-    PLACE,
+    OFFSET,
     REAL,
+    ArrayArgument,
     Called,
     Count,
     Element,
     Function,
-    Handed,
     Leave,
     Line,
     Program,
@@ -79,7 +79,7 @@ def walk_lines(walk: DefuzzifierWalk, parts: Sequence[Node], program: Program) -
         made = _Walk(walk, program).entry()
     except NotTranslatedError as error:
         raise ExportError(str(error), hint=TABLE_HINT) from None
-    lines.append(Run(made.key, (Handed(scratch),)))
+    lines.append(Run(made.key, (ArrayArgument(scratch),)))
     found = (Element(scratch, Whole(walk.scratch + i, INDEX)) for i in range(2))
     return [*lines, *map(Assign, (walk.total, walk.value), found)]
 
@@ -212,7 +212,7 @@ class _Lowered(Expressions):
         parameters = {}
         for key, place in keys.items():
             if key in read:
-                kind = PLACE if place[1] else KINDS[Scalar(self.types[names[place[0]]])]
+                kind = OFFSET if place[1] else KINDS[Scalar(self.types[names[place[0]]])]
                 parameters[key] = Variable(key.replace(" ", "_"), kind)
                 self.signature.append(place)
         # A parameter is used directly; an assigned one is a copy.
@@ -251,7 +251,7 @@ class _Lowered(Expressions):
                 getattr(value.content, part) if part
                 else as_type(value, self.types[self.parameters[number]])
             )  # fmt: skip
-        return (*passed, Handed(SCRATCH)) if self.uses_scratch else tuple(passed)
+        return (*passed, ArrayArgument(SCRATCH)) if self.uses_scratch else tuple(passed)
 
     def run(self, values: Sequence[Value]) -> list[Line]:
         """Return the statement that calls it."""
@@ -357,7 +357,7 @@ class _Lowered(Expressions):
                 return []
             self.local.pop(name, None)
             keys = f"{name} at", f"{name} n"
-            self.kinds |= dict.fromkeys(keys, PLACE)
+            self.kinds |= dict.fromkeys(keys, OFFSET)
             if any(isinstance(n, Symbol) and n.name == keys[0] for n in every_node([ends.length])):
                 ends = Stretch(ends.at, self.named(Value(ends.length, Scalar.WHOLE)).content)
             return list(map(Assign, keys, ends))
@@ -411,7 +411,7 @@ class _Lowered(Expressions):
         if name != "_":
             self.types[name] = wider(self.types.get(name), Scalar.WHOLE)
             if name in inside or self._read_elsewhere(name, node):
-                self.kinds[name] = PLACE
+                self.kinds[name] = OFFSET
                 body = (Assign(name, symbol(index)), *self.block(node.body))
                 return [Count(index, start, end, step.value, body)]
             self.local[name] = Value(symbol(index), Scalar.WHOLE)

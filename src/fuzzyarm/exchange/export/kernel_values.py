@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 
 from fuzzyarm.exchange.export.typed_program import (
     INDEX,
-    PLACE,
+    OFFSET,
     REAL,
     TRUTH,
     Called,
@@ -88,7 +88,7 @@ def both(a: Node, b: Node, *, is_and: bool) -> Node:
 
 SCRATCH = "scratch"
 
-KINDS = {Scalar.TRUTH: TRUTH, Scalar.WHOLE: PLACE, Scalar.REAL: REAL}
+KINDS = {Scalar.TRUTH: TRUTH, Scalar.WHOLE: OFFSET, Scalar.REAL: REAL}
 _OPERATIONS = {
     operation.python.partition("(")[0]: operation.name
     for operation in OPERATIONS.values()
@@ -189,7 +189,7 @@ class Expressions:
         """Return the name of a new variable, a whole number."""
         self.count += 1
         name = f"{stem} {self.count}"
-        self.kinds[name] = PLACE
+        self.kinds[name] = OFFSET
         return name
 
     def named(self, value: Value) -> Value:
@@ -326,7 +326,7 @@ class Expressions:
             return self._number(tables[whole.type][index.value], node)
         element: Node = Element(self.whole.memory(whole.type), index_of(index))
         if whole.type is Array.WHOLES:
-            element = Cast(element, self.whole.kind, PLACE)
+            element = Cast(element, self.whole.kind, OFFSET)
         return Value(element, whole.type.element)
 
     def _attribute(self, node: ast.Attribute) -> Value:
@@ -438,4 +438,4 @@ def index_of(index: Node) -> Node:
     """Return a position as an index of an array."""
     if isinstance(index, Whole):
         return Whole(index.value, INDEX)
-    return Cast(index, PLACE, INDEX)
+    return Cast(index, OFFSET, INDEX)

@@ -42,7 +42,7 @@ from fuzzyarm.exchange.export.modules import LETTERS, Module
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.printer import Printer, Target
 from fuzzyarm.exchange.export.routine import number_lines
-from fuzzyarm.exchange.export.typed_program import COUNT, INDEX, NOTHING, PLACE, TRUTH
+from fuzzyarm.exchange.export.typed_program import COUNT, INDEX, NOTHING, OFFSET, TRUTH
 from fuzzyarm.symbolic import operations
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
@@ -355,7 +355,7 @@ export class Controller {
 
 _RUST_TYPES: dict[Kind, str] = {
     np.float32: "f32", np.float64: "f64", np.int8: "i8", np.int16: "i16", np.int32: "i32",
-    np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool", PLACE: "i32",
+    np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool", OFFSET: "i32",
     NOTHING: "()",
 }  # fmt: skip
 _RUST_OPERATORS = {"where": "if {0} {{ {1} }} else {{ {2} }}", "remainder": "({0} % {1})"}

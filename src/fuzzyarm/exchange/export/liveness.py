@@ -9,13 +9,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fuzzyarm.exchange.export.typed_program import (
-    PLACE,
+    OFFSET,
     REAL,
     TRUTH,
+    ArrayArgument,
     Called,
     Count,
     Element,
-    Handed,
     Line,
     Run,
     Store,
@@ -46,7 +46,7 @@ def _names(nodes: Sequence[Any]) -> set[str]:
     for node in every_node(nodes):
         if isinstance(node, Symbol):
             names.add(node.name)
-        elif isinstance(node, Element | Handed):
+        elif isinstance(node, Element | ArrayArgument):
             names.add(node.array)
     return names
 
@@ -109,5 +109,5 @@ def declared_first(
                 visit(part, inner)
 
     visit(body, parameters)
-    zero = {PLACE: Whole(0), REAL: constant(0.0), TRUTH: Truth(False)}
+    zero = {OFFSET: Whole(0), REAL: constant(0.0), TRUTH: Truth(False)}
     return [Assign(name, zero[variables[name].kind]) for name in outside]

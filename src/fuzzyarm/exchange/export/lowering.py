@@ -125,7 +125,7 @@ class _Rules:
         body.append(Return(cast(result, inside, outside)))
         return Function(
             stem, parameters, outside, body, counters, inside, public=public,
-            result=self.routine.output.name, may_be_silent=True,
+            result=self.routine.output.name, may_lack_value=True,
         )  # fmt: skip
 
     def _called(self, call: Call, real: Kind) -> str:

@@ -16,14 +16,14 @@ import numpy as np
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.typed_program import (
     INDEX,
-    PLACE,
+    OFFSET,
     TRUTH,
+    ArrayArgument,
     Called,
     Cast,
     Count,
     Element,
     Function,
-    Handed,
     Leave,
     Line,
     Member,
@@ -414,7 +414,7 @@ class FunctionPrinter:
             index=self.rename[line.variable], start=start, end=end, step=abs(line.step),
             sign="<" if line.step > 0 else ">", way="+" if line.step > 0 else "-",
             last=self.language.expression(_last_of(line)), signed=line.step,
-            type=self.target.types.get(PLACE, ""),
+            type=self.target.types.get(OFFSET, ""),
         )  # fmt: skip
         self.declared.add(line.variable)
         return [opening, *self._inner(line.body), *self._end(self.target.end_repeat)]
@@ -496,7 +496,7 @@ class FunctionPrinter:
         arguments = ", ".join([*passed, self.language.expression(node.value)])
         return f"{self.printer.called[node.function]}({arguments})"
 
-    def _handed(self, node: Handed, _binds: int) -> str:
+    def _array_argument(self, node: ArrayArgument, _binds: int) -> str:
         name = self.rename[node.array]
         return name if node.array in self.function.parameters else self.target.lent.format(name)
 
@@ -518,7 +518,7 @@ class FunctionPrinter:
     }  # fmt: skip
     _LEAVES: ClassVar[Mapping[type, Callable[[Any, Any, int], str]]] = {
         Whole: _whole, Truth: _truth, Element: _element, Called: _called, Search: _search,
-        Quotient: _quotient, Cast: _cast, Handed: _handed,
+        Quotient: _quotient, Cast: _cast, ArrayArgument: _array_argument,
     }  # fmt: skip
 
 

@@ -355,17 +355,17 @@ class _Builder:
         self.variables += [Assign(*height) for height in self.heights[model.name].values()]
         total, value = self._total_and_value(output)
         value = _into_range(model, self.fresh(value, "value"), guard_nan=False)
-        silent = self._silent(model, last_value)
-        is_nan = isinstance(silent, Constant) and math.isnan(silent.value)
+        no_rule = self._value_for_no_rule(model, last_value)
+        is_nan = isinstance(no_rule, Constant) and math.isnan(no_rule.value)
         if model.name != self.target and is_nan:
             self.guards.append(total)
-            silent = constant(model.low if math.isfinite(model.low) else 0.0)
-        result = where(total > 0.0, value, silent)
+            no_rule = constant(model.low if math.isfinite(model.low) else 0.0)
+        result = where(total > 0.0, value, no_rule)
         if model.name != self.target:
             self.values[model.name] = self.fresh(result, model.name)
         return result
 
-    def _silent(self, model: Output, last_value: Node) -> Node:
+    def _value_for_no_rule(self, model: Output, last_value: Node) -> Node:
         """Return the value of an output for which no rule fires."""
         if isinstance(model.no_rule, float | int):
             return constant(model.no_rule)

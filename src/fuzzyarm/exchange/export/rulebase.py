@@ -18,7 +18,7 @@ from fuzzyarm.exchange.export.numbers import Kind, Precision, precision_named, r
 from fuzzyarm.exchange.export.program import OutputProgram, make_program
 from fuzzyarm.exchange.export.routine import Accuracy, CallCost, RoutineArgument, TestPoints
 from fuzzyarm.exchange.export.sets import refuse
-from fuzzyarm.inference.engine import kept
+from fuzzyarm.inference.engine import cached_engine
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.language.model.rulebase import Input, RuleBase
 from fuzzyarm.language.model.shapes import corner_points, polyline
@@ -216,7 +216,7 @@ class DirectRoutine:
         part = part_for(_without_errors(self.rulebase), (self.name,))
         part_inputs = {variable.name: columns[variable.name] for variable in part.inputs}
         holding = {o.name: last for o in part.outputs if o.no_rule == "hold"}
-        values = kept(part).evaluate(part_inputs, holding)[self.name]
+        values = cached_engine(part).evaluate(part_inputs, holding)[self.name]
         return np.broadcast_to(np.asarray(values), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:

@@ -41,7 +41,7 @@ from fuzzyarm.exchange.export.typed_program import (
     COUNT,
     INDEX,
     NOTHING,
-    PLACE,
+    OFFSET,
     TRUTH,
     Array,
     Called,
@@ -109,7 +109,7 @@ def flattened(function: Function, program: Program, is_block: Callable[[str], bo
     """Return a function without choices, searches and calls of blocks inside of expressions."""
     flat = _Flattening(function, program, is_block)
     body = list(function.body)
-    if function.may_be_silent:
+    if function.may_lack_value:
         last = body.pop()
         value = last.value.value if isinstance(last.value, Cast) else last.value
         flat.variables[FOUND] = Variable("result", function.real)
@@ -276,7 +276,7 @@ def _with_numbers(line: Line) -> list[Line]:
     return [line]
 
 
-_TYPES = {**ST_TYPES, INDEX: "DINT", COUNT: "DINT", TRUTH: "BOOL", PLACE: "DINT", NOTHING: "BOOL"}
+_TYPES = {**ST_TYPES, INDEX: "DINT", COUNT: "DINT", TRUTH: "BOOL", OFFSET: "DINT", NOTHING: "BOOL"}
 
 
 def _operation(_printer: Printer, operation: Operation, _kind: Kind) -> str:
@@ -592,7 +592,7 @@ class _Unit(FunctionPrinter):
             self._declare_one("VAR_OUTPUT", RESULT, function.result, function.returned)
             inputs = [self.rename[key] for key in function.parameters]
             self.file.ports[self.key] = inputs, self.rename[RESULT]
-            if function.may_be_silent:
+            if function.may_lack_value:
                 self._declare_one("VAR_OUTPUT", FIRED, "fired", TRUTH)
                 self.file.flags[self.key] = self.rename[FIRED]
         else:

@@ -32,7 +32,7 @@ REAL, WHOLE, TRUTH = np.float64, np.int32, bool
 INDEX, COUNT = np.uintp, np.uint32
 """Kinds of nonnegative integers: numbers of elements, and counts of events."""
 
-PLACE = np.intp
+OFFSET = np.intp
 """The kind of whole numbers in kernels, which count elements and may be negative on their way."""
 
 NOTHING = type(None)
@@ -74,7 +74,7 @@ class Called(Node):
 
 
 @dataclass(frozen=True, eq=False)
-class Handed(Node):
+class ArrayArgument(Node):
     """An array passed to a function, which may write into it."""
 
     array: str
@@ -293,7 +293,7 @@ class Function:
     public: bool = False  # whether it is called from outside
     remark: str = ""  # its result
     result: str = ""  # stem of the name of its result, if that is a variable
-    may_be_silent: bool = False  # whether it is a rule base, which returns NaN if no rule fires
+    may_lack_value: bool = False  # whether it is a rule base, which returns NaN if no rule fires
     # Whether it comes from a kernel: its last statement is `Leave`, or none.
     of_kernel: bool = False
 

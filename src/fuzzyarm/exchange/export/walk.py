@@ -64,7 +64,7 @@ class Listed:
         self, key: object, kind: dict[int, Callable[..., None]], make: Callable[[], Any]
     ) -> int:
         if key not in self._kinds:
-            self._kinds[key] = len(at.BY_ITSELF) + len(self._kinds)
+            self._kinds[key] = len(at.BUILT_IN) + len(self._kinds)
             kind[self._kinds[key]] = make()
         return self._kinds[key]
 

@@ -81,7 +81,7 @@ class Dialect:
     samplings: Mapping[str, str] = field(default_factory=dict)  # methods with their own sampling
     # Default value of an output for no rule: ``nan``, the ``middle`` of its range, the ``maximum``
     # of nothing, or that in spite of the file (``nothing``).
-    silent: str = "nan"
+    no_rule: str = "nan"
     has_ties: bool = False  # whether rounding decides between equally high samples
     holds: bool = False  # whether the file can hold the value of an output for no rule
     defaults: bool = False  # whether the file can state another value
@@ -155,8 +155,8 @@ FCL = {
         "given",
         any_case=True, separators=("and", ","), heights=True, unordered=True,
         case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), method="COG",
-        methods_of_others=_OF_OTHERS, silent="nothing", has_ties=True, inverts=True, estimates=True,
-        holds=True, defaults=True,
+        methods_of_others=_OF_OTHERS, no_rule="nothing", has_ties=True, inverts=True,
+        estimates=True, holds=True, defaults=True,
     ),
     "scikit-fuzzy": Dialect(
         suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
@@ -181,7 +181,7 @@ FIS = {
         samples=(101, "endpoints"),
         assumed="read with the defaults of MATLAB: sums over 101 points, the middle of the "
         "range where no rule fires",
-        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="middle",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", no_rule="middle",
         inverts=True, samplings=_FIS_SAMPLINGS, sums_values=True,
         drops_numbers=True,
     ),
@@ -191,7 +191,7 @@ FIS = {
         outside="error",
         assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
         "where no rule fires, no values outside a range",
-        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="maximum",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", no_rule="maximum",
         inverts=True, samplings=_FIS_SAMPLINGS,
     ),
     "fuzzylite": Dialect(
@@ -201,7 +201,7 @@ FIS = {
         unordered=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
         "fires and no Default is given",
-        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="nothing",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", no_rule="nothing",
         holds=True, defaults=True, has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS,
     ),
 }  # fmt: skip

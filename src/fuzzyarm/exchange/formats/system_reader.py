@@ -286,7 +286,7 @@ class SystemReader:
         dialect = self.dialect
         at = draft.method or draft.word
         # Integrated or weighted? MATLAB takes the middle for both.
-        if dialect.silent == "middle" and _is_nan(draft.no_rule) and draft.bounded:
+        if dialect.no_rule == "middle" and _is_nan(draft.no_rule) and draft.bounded:
             draft.no_rule = 0.5 * (draft.low + draft.high)
         if name in dialect.weighted:
             self._weigh(draft, name, at)
@@ -370,9 +370,9 @@ class SystemReader:
             resolution = draft.resolution or resolution
             draft.defuzzifier = Defuzzifier(draft.defuzzifier.method, resolution, sampling)
         self.note_method(draft, name, at)
-        if self.dialect.silent == "nothing":
+        if self.dialect.no_rule == "nothing":
             self._take_maximum_of_nothing(draft, at)
-        elif self.dialect.silent in ("middle", "maximum") and _is_nan(draft.no_rule):
+        elif self.dialect.no_rule in ("middle", "maximum") and _is_nan(draft.no_rule):
             draft.no_rule = maximum_of_nothing(draft)
         if self.dialect.activates:
             values_as_sets(draft, self.implication(), at, self.findings)

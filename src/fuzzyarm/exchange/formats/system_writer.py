@@ -140,7 +140,7 @@ class SystemWriter:
         None for the program's default; values that the file cannot express are reported.
         """
         value = output.no_rule
-        if self.dialect.silent == "nothing" and self._takes_maximum_of_nothing(output):
+        if self.dialect.no_rule == "nothing" and self._takes_maximum_of_nothing(output):
             return None
         self._warn_of_error(output)
         if value == "error":
@@ -159,7 +159,7 @@ class SystemWriter:
 
     def _usual(self, output: Output) -> float:
         """Return the program's default for an output without a fired rule."""
-        match self.dialect.silent:
+        match self.dialect.no_rule:
             case "middle":
                 return 0.5 * (output.low + output.high)
             case "maximum" | "nothing":

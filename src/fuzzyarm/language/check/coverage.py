@@ -225,11 +225,11 @@ def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
         points = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
         # Conditions decided by degree may hold in a cell and not in a smaller one.
         cells[name] = distinct(points) if name in by_degree else smallest(points)
-    silent = next(GapSearch(needs, cells, subject.on_step).uncovered(), None)
-    if silent is None:
+    gap = next(GapSearch(needs, cells, subject.on_step).uncovered(), None)
+    if gap is None:
         return None
     return {
-        name: silent[name].x if name in silent else subject.middle(variable)
+        name: gap[name].x if name in gap else subject.middle(variable)
         for name, variable in inputs.items()
     }
 

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from fuzzyarm.inference.engine import kept
+from fuzzyarm.inference.engine import cached_engine
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.check.certificate import Gains
 from fuzzyarm.proof.claim.problem import LoopProofError
@@ -98,7 +98,7 @@ class Conclusions:
     def near(self, rulebase: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
         """Return an output at a point, by inference."""
         self._demand_inside(self._prover(rulebase, output), inputs)
-        return float(kept(rulebase)(inputs)[output])
+        return float(cached_engine(rulebase)(inputs)[output])
 
     def _demand_inside(self, prover: Prover, at: Mapping[str, float | Fraction]) -> None:
         for name, low, high in self._universes(prover):
@@ -142,7 +142,7 @@ class Conclusions:
         rest = {name: variable.constant for name, variable in inputs.items()}
         value = self._value_at(prover, rest)
         region = self._region(choice, algebra, prover, inputs, signs)
-        key = "silent", id(prover), tuple(region.items())
+        key = "without value", id(prover), tuple(region.items())
         if self._cached(key, lambda: prover.without_value(region)) is not None:
             raise LoopProofError(f"'{rulebase.name}' has no rule for some of its inputs near rest")
         along = None

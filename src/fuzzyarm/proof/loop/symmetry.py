@@ -199,8 +199,9 @@ def _is_odd_rulebase(rulebase: RuleBase) -> bool:
 def _is_plain(output: Output) -> bool:
     way = output.defuzzifier.record
     plain = way.figure in ("centroid", "average", "weighted") and not (way.inverts or way.both)
-    silent = output.no_rule in ("error", 0.0)  # another number, or the last value, is not odd
-    return plain and silent and output.defuzzifier.resolution is None
+    # Another number, or the last value, is not odd.
+    is_odd_without_rule = output.no_rule in ("error", 0.0)
+    return plain and is_odd_without_rule and output.defuzzifier.resolution is None
 
 
 def _opposites(variable: Variable) -> dict[str, str]:

@@ -83,13 +83,13 @@ class Bounds(NamedTuple):
 class Missing(NamedTuple):
     """A point at which an output has no value of its own.
 
-    `silent`: no rule fires there; else the output leaves its range. `held`: it then keeps its last
-    value.
+    `no_rule`: whether no rule fires there; else the output leaves its range. `held`: it then keeps
+    its last value.
     """
 
     at: dict[str, Fraction]
     reason: str
-    silent: bool
+    no_rule: bool
     held: bool = False
 
 

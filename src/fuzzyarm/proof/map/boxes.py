@@ -177,7 +177,7 @@ class Boxes:
 
         return self._both(over, at, gap, positions)
 
-    def silent_point(self, *, valued: bool) -> dict[str, Fraction] | None:
+    def point_without_rule(self, *, valued: bool) -> dict[str, Fraction] | None:
         """Return a point at which no rule fires; None if some rule fires everywhere.
 
         `valued`: a point without a value, which includes firing rules without area.
@@ -215,8 +215,8 @@ class Boxes:
             return None
         largest = np.argsort((high - low).prod(axis=1))[-self.tried :]
         points = 0.5 * (low[largest] + high[largest])
-        silent = np.flatnonzero(np.isnan(self._values(points)))
-        return points[silent[-1]].tolist() if silent.size else None
+        undefined = np.flatnonzero(np.isnan(self._values(points)))
+        return points[undefined[-1]].tolist() if undefined.size else None
 
     def _judge(self, low: Array, high: Array, *, valued: bool) -> tuple[Array, Array]:
         """Return in which boxes a rule fires everywhere, and in which none fires anywhere."""

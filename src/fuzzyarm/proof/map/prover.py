@@ -221,13 +221,13 @@ class Prover:
         except NothingFiresError:
             if no_rule is None:
                 raise
-            at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
+            corner = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
             ends = (no_rule, no_rule, no_rule, no_rule)
-            return Bounds(*ends, at, at, self.pieces_cut, "exact", True)
+            return Bounds(*ends, corner, corner, self.pieces_cut, "exact", True)
         if no_rule is not None:  # not clamped to the range
-            silent = self.without_value(region)
-            if silent is not None:
-                bounds = _including(bounds, no_rule, silent)
+            at = self.without_value(region)
+            if at is not None:
+                bounds = _including(bounds, no_rule, at)
         return bounds
 
     @property
@@ -376,7 +376,7 @@ class Prover:
         UnprovableError
             If it cannot be decided.
         """
-        return self._silent_point(region, valued=False)
+        return self._point_without_rule(region, valued=False)
 
     def without_value(
         self, region: Mapping[str, tuple[float, float]]
@@ -388,23 +388,23 @@ class Prover:
         UnprovableError
             If it cannot be decided.
         """
-        return self._silent_point(region, valued=True)
+        return self._point_without_rule(region, valued=True)
 
-    def _silent_point(
+    def _point_without_rule(
         self, region: Mapping[str, tuple[float, float]], *, valued: bool
     ) -> dict[str, Fraction] | None:
         box = self.box(region)
         if self.model is None:
-            return self._boxes(box).silent_point(valued=valued)
+            return self._boxes(box).point_without_rule(valued=valued)
         question = QuotientProblem(box, Surface.value)
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if not self.exact:
-            doubtful_cells = surface.nearly_silent(valued=valued)
+            doubtful_cells = surface.nearly_without_rule(valued=valued)
             if not doubtful_cells.size:
                 return None
             cells = np.unique(surface.pieces.flat_cells[doubtful_cells])
             surface = self.surface(question, rationals(), cells)
-        corner = surface.silent_point(valued=valued)
+        corner = surface.point_without_rule(valued=valued)
         return None if corner is None else self.named(surface.pieces.position(*corner))
 
     def outside_range(
@@ -444,9 +444,9 @@ class Prover:
         if at is not None:
             held = self.output.no_rule == "hold"
             then = f": '{self.output.name}' holds its last value" if held else ""
-            return Missing(at, f"no rule fires at {point_text(at)}{then}", silent=True, held=held)
+            return Missing(at, f"no rule fires at {point_text(at)}{then}", no_rule=True, held=held)
         at = self.outside_range(region)
-        return None if at is None else Missing(at, self.beyond_range(at), silent=False)
+        return None if at is None else Missing(at, self.beyond_range(at), no_rule=False)
 
     def hole(self, region: Mapping[str, tuple[float, float]]) -> str:
         """Return where the output has no value of its own, or why that is open; else nothing."""
@@ -714,7 +714,7 @@ class Prover:
         box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
         surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
         quotients = surface.value()
-        if not quotients.lower[0, 0] > 0 or surface.silent_point(valued=True) is not None:
+        if not quotients.lower[0, 0] > 0 or surface.point_without_rule(valued=True) is not None:
             return None
         return as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
 
@@ -739,9 +739,9 @@ class Prover:
             name: (float(a), float(b))
             for name, (a, b) in zip(self.names, question.box, strict=True)
         }
-        silent = self.without_value(region) if low < high else None
-        if silent is not None:
-            raise UnprovableError(f"slopes: no rule fires at {point_text(silent)}")
+        at = self.without_value(region) if low < high else None
+        if at is not None:
+            raise UnprovableError(f"slopes: no rule fires at {point_text(at)}")
         self.demand_inside_range("slopes", question.box)
 
     def _demand_value_everywhere(

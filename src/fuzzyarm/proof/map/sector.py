@@ -115,9 +115,10 @@ def sector(
     prover = prover.with_fixed(values)
     exact = prover if prover.exact else prover.in_rationals()
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
-    box = exact.box({name: span for name, span in region.items() if name in exact.names})
+    of_free = {name: region[name] for name in exact.names if name in region}
+    box = exact.box(of_free)
     exact.demand_inside_range("sectors", box)
-    silent = _has_silence(prover, {name: region[name] for name in exact.names if name in region})
+    without_rule = _has_point_without_rule(prover, of_free)
     if all(low <= 0 <= high for low, high in box):  # σ is 0 at the origin: a cheap first test
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
     made: dict[Fraction, Quotients] = {}
@@ -143,7 +144,7 @@ def sector(
     high, low = side(1), side(-1)
     ends = (-low.high, high.high)
     # Without a rule u is 0, whatever σ is: a gain of 0.
-    if silent:
+    if without_rule:
         ends = min(ends[0], 0.0), max(ends[1], 0.0)
     return Sector(
         {name: w for name, w in zip(exact.names, form, strict=True) if w},
@@ -175,7 +176,7 @@ def _fixed_inputs(
     return values
 
 
-def _has_silence(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
+def _has_point_without_rule(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
     """Return whether there are points without a rule, with the output 0; refuse others."""
     at = prover.without_value(region)
     if at is None:

@@ -237,7 +237,7 @@ class Surface:
         # For sets σA has the degree of M, one more than that of A.
         return self._quotients(self.degree + (self.model.form is None), make)
 
-    def silent_point(self, *, valued: bool) -> tuple[int, Array] | None:
+    def point_without_rule(self, *, valued: bool) -> tuple[int, Array] | None:
         """Return a piece and one of its points at which no rule fires; None if there is none.
 
         `valued`: a point without a value, which includes firing rules without area in the range.
@@ -245,37 +245,39 @@ class Surface:
         zero = self._fired(valued=valued) == 0
         rows = np.flatnonzero(zero.any(axis=1))
         vertices = np.arange(self.dimension + 1)
-        # The middle rather than an edge: a piece with silent points has a face with a silent
-        # middle, which belongs to no neighbour.
+        # The middle rather than an edge: a piece with such points has a face with such a middle,
+        # which belongs to no neighbour.
         for count in range(len(vertices), 0, -1) if rows.size else ():
             for face in combinations(vertices, count):
-                found = self._silent_middle(rows, zero, np.isin(vertices, face), valued=valued)
+                found = self._middle_without_rule(
+                    rows, zero, np.isin(vertices, face), valued=valued
+                )
                 if found is not None:
                     return found
         return None
 
-    def _silent_middle(
+    def _middle_without_rule(
         self, rows: Array, zero: Array, face: Array, *, valued: bool
     ) -> tuple[int, Array] | None:
-        """Return the largest piece that has a face with a silent middle, and that middle."""
+        """Return the largest piece with a face without a rule in its middle, and that middle."""
         products = self.model.multiplies
         fits = zero[rows][:, face].all(axis=1) if products else (zero[rows] == face).all(axis=1)
         some, count = rows[fits], int(face.sum())
         if not some.size:
             return None
         shares = self.pieces.corners[some][:, face].sum(axis=1) / count
-        silent = self.pieces.holds(some, shares)
+        without_rule = self.pieces.holds(some, shares)
         if products:  # not affine: 0 at all vertices, but not between them
             middle = self.arithmetic.array([[Fraction(int(on), count) for on in face]])
-            silent &= self._products_at(some, middle, valued=valued)[:, 0] == 0
-        some, shares = some[silent], shares[silent]
+            without_rule &= self._products_at(some, middle, valued=valued)[:, 0] == 0
+        some, shares = some[without_rule], shares[without_rule]
         if not some.size:
             return None
         shapes = self.pieces.corners[some].astype(float)
         largest = int(np.ptp(shapes, axis=1).prod(axis=1).argmax())
         return int(some[largest]), shares[largest]
 
-    def nearly_silent(self, *, valued: bool) -> Array:
+    def nearly_without_rule(self, *, valued: bool) -> Array:
         """Return the pieces on which floats cannot decide whether a rule fires everywhere."""
         return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 

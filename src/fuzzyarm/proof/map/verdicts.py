@@ -383,9 +383,9 @@ class _Case:
         no_rule = prover.no_rule
         if no_rule is not None and beyond(Fraction(no_rule)):
             # The bounds include the value for no rule, the pieces do not.
-            silent = prover.without_value(self.region)
-            if silent is not None:
-                return self._shown(silent, beyond), bounds
+            without_rule = prover.without_value(self.region)
+            if without_rule is not None:
+                return self._shown(without_rule, beyond), bounds
         if at and sign * (reached - limit) > LIKE_EXPECT * prover.range:
             confirmed = self._confirmed(at, beyond)
             if confirmed is not None:
@@ -424,7 +424,7 @@ class _Case:
             return None
         if missing.held:
             return self._said(UNDECIDED, reason=missing.reason)
-        if missing.silent:
+        if missing.no_rule:
             return self._said(REFUTED, reason=self._silence(missing.at))
         self._note(missing.at)
         return self._said(REFUTED, reason=missing.reason)
@@ -438,7 +438,7 @@ class _Case:
         outputs = tuple(replace(output, no_rule=math.nan) for output in self.rulebase.outputs)
         unstated = replace(self.rulebase, outputs=outputs)
         point = {name: float(x) for name, x in at.items()}
-        fires = self.claim.output not in compiled(unstated).outcome(point).silent or (
+        fires = self.claim.output not in compiled(unstated).outcome(point).without_value or (
             self.claim.kind == "covered" and self._is_asserted(explain(unstated, point))
         )
         return f"{text}, {_IN_EXACT_ARITHMETIC}" if fires else text

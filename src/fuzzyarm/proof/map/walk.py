@@ -28,7 +28,7 @@ from fuzzyarm.control.controllers.reach import (
     symmetric,
 )
 from fuzzyarm.control.controllers.text import ControllerText, input_names
-from fuzzyarm.inference.infer import infer, silent
+from fuzzyarm.inference.infer import infer, with_nan_for_no_rule
 from fuzzyarm.language.model.controller import AxisSignal, Drive, SignalLine, Source, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.signals import choice_text, chosen_text
@@ -323,7 +323,7 @@ class LineWalk(Algebra[SignalLaw]):
         prover = self.case.prover(rulebase, output)
         if self.case.only_values:
             inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in laws.items()}
-            value = float(infer(silent(rulebase), inputs)[output])
+            value = float(infer(with_nan_for_no_rule(rulebase), inputs)[output])
             return unknown(Interval(value, value), "")
         region = {}
         for variable in prover.inputs:

@@ -243,7 +243,7 @@ class _Function:
         lines = [self.named(name, value)]
         for target in node.targets:
             lines += self.stored(target, value._replace(text=name))
-        return _together(lines)
+        return _in_scope(lines)
 
     def typed_assignment(self, node: ast.AnnAssign) -> list[str]:
         assert node.value is not None
@@ -258,7 +258,7 @@ class _Function:
         lines = [self.named(*pair) for pair in zip(names, values, strict=True)]
         for part, name, value in zip(target.elts, names, values, strict=True):
             lines += self.stored(part, value._replace(text=name))
-        return _together(lines)
+        return _in_scope(lines)
 
     def stored(self, target: ast.expr, value: TypedText) -> list[str]:
         """Return the lines that store a value in a name, an element, or a tuple of these."""
@@ -275,11 +275,11 @@ class _Function:
             lines = [self.named(name, value)]
             for index, part in enumerate(target.elts):
                 lines += self.stored(part, self.part_of(value._replace(text=name), index))
-            return _together(lines)
-        place = self.value(target)
+            return _in_scope(lines)
+        element = self.value(target)
         assert isinstance(target, ast.Subscript)
         self.writes |= self.value(target.value).memory
-        return [f"{place.text} = {self.as_type(value, place.type)};"]
+        return [f"{element.text} = {self.as_type(value, element.type)};"]
 
     def changed(self, node: ast.AugAssign) -> list[str]:
         before = self.value(_loaded(node.target))
@@ -533,12 +533,12 @@ class _Function:
         }
         for name in helper.writes:
             self.writes |= memory[name]
-        for request in helper.address_calls:
+        for arrays in helper.address_calls:
             self.address_calls.add(
-                tuple((type_, _together_in(memory, names)) for type_, names in request)
+                tuple((type_, _memory_of(memory, names)) for type_, names in arrays)
             )
         returns_arrays = isinstance(helper.returned, Array | TupleType)
-        return _together_in(memory, memory) if returns_arrays else frozenset()
+        return _memory_of(memory, memory) if returns_arrays else frozenset()
 
     def spelled(self, node: ast.Call, function: Any, arguments: Sequence[TypedText]) -> TypedText:
         """Return a call of a function of Python or NumPy in the spelling of the language."""
@@ -575,12 +575,12 @@ _BUILTINS: dict[str, Any] = {
 }
 
 
-def _together(lines: Sequence[str]) -> list[str]:
+def _in_scope(lines: Sequence[str]) -> list[str]:
     """Return statements in a scope of their own."""
     return ["{", *(f"  {line}" for line in lines), "}"]
 
 
-def _together_in(memory: Mapping[str, frozenset[str]], names: Iterable[str]) -> frozenset[str]:
+def _memory_of(memory: Mapping[str, frozenset[str]], names: Iterable[str]) -> frozenset[str]:
     """Return all memory behind some names."""
     return frozenset(part for name in names for part in memory[name])
 
