@@ -16,7 +16,7 @@ from fuzzyarm.base.diagnostic import MAX_LEVELS
 from fuzzyarm.base.errors import WordError
 from fuzzyarm.base.folders import MODULES, NETWORK
 from fuzzyarm.base.numbers import outward_text
-from fuzzyarm.language.model.controller import Axes, Drive, Product, SignalLine, Zoom
+from fuzzyarm.language.model.controller import Axes, Drive, SignalLine, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.map.tables import table_proof
 from fuzzyarm.requests.fields import RequestError
@@ -348,14 +348,5 @@ def _difference(
             continue
         if products is None or error is None or not clamped:
             return math.inf
-        total += abs(sum(_value(product, numbers) for product in products)) * error
-    return total
-
-
-def _value(product: Product, numbers: Mapping[str, float]) -> float:
-    """Return a product of numbers and gains."""
-    value = -1.0 if product.negative else 1.0
-    for factor in product.factors:
-        x = numbers[factor.value] if isinstance(factor.value, str) else factor.value
-        value = value / x if factor.divides else value * x
-    return value
+        total += abs(sum(product.value(numbers) for product in products)) * error
+    return math.inf if math.isnan(total) else total

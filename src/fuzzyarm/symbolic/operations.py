@@ -169,7 +169,7 @@ def _where(condition: bool, then: float, otherwise: float) -> float:
 # ── bounds ───────────────────────────────────────────────────────────────────────────
 
 
-def _hull(values: list[float]) -> Interval:
+def _around(values: list[float]) -> Interval:
     if any(math.isnan(value) for value in values):
         return EVERYTHING
     return Interval(min(values), max(values))
@@ -177,21 +177,23 @@ def _hull(values: list[float]) -> Interval:
 
 def _product(a: Interval, b: Interval) -> Interval:
     # 0 times an infinite end is 0 here: the end is a bound, not a value.
-    return _hull([0.0 if 0.0 in (x, y) else x * y for x in a for y in b])
+    return _around([0.0 if 0.0 in (x, y) else x * y for x in a for y in b])
 
 
 def _quotient(a: Interval, b: Interval) -> Interval:
     if b.low <= 0.0 <= b.high:
         return EVERYTHING
-    return _hull([_divide(x, y) for x in a for y in b])
+    return _around([_divide(x, y) for x in a for y in b])
 
 
 def _power_bounds(a: Interval, b: Interval) -> Interval:
     if a.low >= 0.0 and (a.low > 0.0 or b.low >= 0.0):
-        return _hull([_power(x, y) for x in a for y in b] + ([1.0] if a.low <= 1 <= a.high else []))
+        return _around(
+            [_power(x, y) for x in a for y in b] + ([1.0] if a.low <= 1 <= a.high else [])
+        )
     if b.low == b.high and b.low >= 0.0 and b.low % 1.0 == 0.0:
         ends = [_power(x, b.low) for x in a]
-        return _hull([*ends, 0.0] if a.low <= 0.0 <= a.high else ends)
+        return _around([*ends, 0.0] if a.low <= 0.0 <= a.high else ends)
     return EVERYTHING
 
 
@@ -200,7 +202,7 @@ def _rising(function: Callable[[float], float], low: float = -math.inf) -> Bound
 
     def bounds(a: Interval) -> Interval:
         # Outside the domain every value is NaN, so any interval encloses them.
-        return _hull([function(max(a.low, low)), function(max(a.high, low))])
+        return _around([function(max(a.low, low)), function(max(a.high, low))])
 
     return bounds
 
@@ -209,7 +211,7 @@ def _within(function: Callable[[float], float], low: float, high: float) -> Boun
     """Return the bounds of a monotone function defined from `low` to `high`."""
 
     def bounds(a: Interval) -> Interval:
-        return _hull([function(min(max(x, low), high)) for x in a])
+        return _around([function(min(max(x, low), high)) for x in a])
 
     return bounds
 
@@ -226,7 +228,7 @@ def _wave(function: Callable[[float], float], top: float) -> Bounds:
             nearest = math.ceil((a.low - slack - turn) / (2 * math.pi))
             if turn + 2 * math.pi * nearest <= a.high + slack:
                 values.append(value)
-        return _hull(values)
+        return _around(values)
 
     return bounds
 
@@ -236,7 +238,7 @@ def _even(function: Callable[[float], float]) -> Bounds:
 
     def bounds(a: Interval) -> Interval:
         values = [function(a.low), function(a.high)]
-        return _hull([*values, function(0.0)] if a.low <= 0.0 <= a.high else values)
+        return _around([*values, function(0.0)] if a.low <= 0.0 <= a.high else values)
 
     return bounds
 
@@ -244,7 +246,7 @@ def _even(function: Callable[[float], float]) -> Bounds:
 def _tangent_bounds(a: Interval) -> Interval:
     middle = math.floor(a.low / math.pi + 0.5) if math.isfinite(a.low) else math.nan
     inside = a.high < (middle + 0.5) * math.pi - 1e-9 and a.low > (middle - 0.5) * math.pi + 1e-9
-    return _hull([math.tan(a.low), math.tan(a.high)]) if inside else EVERYTHING
+    return _around([math.tan(a.low), math.tan(a.high)]) if inside else EVERYTHING
 
 
 def _remainder_bounds(a: Interval, b: Interval) -> Interval:
@@ -339,12 +341,12 @@ _TABLE = (
     # Arithmetic. Precedence as in each language: or 1, and 2, not 3, < 4, + 5, × 6, - 7.
     Operation(
         "add", 2, lambda a, b: a + b, "add", "{0} + {1}", "{0} + {1}", "{0} + {1}",
-        lambda a, b: _hull([a.low + b.low, a.high + b.high]),
+        lambda a, b: _around([a.low + b.low, a.high + b.high]),
         lambda a, b: (_ONE, _ONE), 5, sort=_SUMS,
     ),
     Operation(
         "subtract", 2, lambda a, b: a - b, "subtract", "{0} - {1}", "{0} - {1}", "{0} - {1}",
-        lambda a, b: _hull([a.low - b.high, a.high - b.low]),
+        lambda a, b: _around([a.low - b.high, a.high - b.low]),
         lambda a, b: (_ONE, constant(-1.0)), 5, sort=_SUMS,
     ),
     Operation(

@@ -139,6 +139,11 @@ SUPPLIED = (*ALWAYS, "last", "excess", "gain")
 """Arguments of updates that the control loop supplies."""
 
 
+def argument_of(option: str) -> str:
+    """Return the argument of an update that an option sets."""
+    return option.replace("-", "_")
+
+
 def unseen(state: X) -> X:
     """Return the condition that a state still has NaN, its start."""
     return ~op.equal(state, state)
@@ -255,7 +260,7 @@ class SourceKind(Kind):
         Exponent of s by which its unit differs from the operand's.
     difference : bool
         Whether its unit is that of a difference: K of °C.
-    kept : str
+    bounded_by : str
         What keeps it bounded: ``signal``, whatever bounds the operand, whose course it has;
         ``loop``, the feedback, which works against errors and rates; ``text``, limits in the text.
     bounds : callable or None
@@ -287,7 +292,7 @@ class SourceKind(Kind):
     rounded: bool = False
     seconds: int = 0
     difference: bool = False
-    kept: Literal["signal", "loop", "text"] = "text"
+    bounded_by: Literal["signal", "loop", "text"] = "text"
     bounds: Callable[[Surroundings], Interval] | None = None
     pace: Callable[[Surroundings], float] | None = None
     linear: bool = False
@@ -341,7 +346,7 @@ class SourceKind(Kind):
         """Return the arguments that options set: numbers, or names of gains."""
         numbers: dict[str, str | float] = {}
         for word, kind in self.options.items():
-            name, value = word.replace("-", "_"), options.get(word)
+            name, value = argument_of(word), options.get(word)
             if kind.accepts == "range":
                 # Without limits the update still needs both arguments: they are infinite.
                 ends = value if isinstance(value, tuple) else EVERYTHING
@@ -630,7 +635,7 @@ def _register() -> None:
         doc="reference minus measured value of a port",
         options={"weight": weight},
         difference=True,
-        kept="loop",
+        bounded_by="loop",
         elsewhere="err deviation",
     )
     kind(
@@ -664,7 +669,7 @@ def _register() -> None:
         states=(SourceState("before", lambda x: x, math.nan), SourceState("slope")),
         seconds=-1,
         difference=True,
-        kept="loop",
+        bounded_by="loop",
         bounds=lambda near: _symmetric(near.pace),
         linear=True,
         elsewhere="derivative deriv der diff differential differentiate ddt slope velocity_of",
@@ -675,7 +680,7 @@ def _register() -> None:
         doc="change of a signal since the last period; 0 at first",
         states=(SourceState("before", lambda x: x, math.nan),),
         difference=True,
-        kept="loop",
+        bounded_by="loop",
         bounds=lambda near: _symmetric(min(near.width, near.pace * near.period)),
         linear=True,
         elsewhere="delta increment difference",
@@ -716,7 +721,7 @@ def _register() -> None:
             ),
         ),
         rounded=True,
-        kept="loop",
+        bounded_by="loop",
         bounds=_of_sum,
         linear=True,
     )
@@ -726,7 +731,7 @@ def _register() -> None:
         doc="first-order low-pass of a signal; begins at its first value",
         options={"time": OptionKind("time", "its time constant", needed=True)},
         states=(SourceState("lagged", start=math.nan),),
-        kept="signal",
+        bounded_by="signal",
         bounds=lambda near: near.at,
         pace=lambda near: near.pace,
         linear=True,
@@ -737,7 +742,7 @@ def _register() -> None:
         _deadband,
         doc="0 within ± half the width, outside that the signal's distance from it",
         options=WIDTH,
-        kept="signal",
+        bounded_by="signal",
         pace=lambda near: near.pace,
         elsewhere="deadzone dead-zone dead_zone dead-band dead_band",
     )
@@ -747,7 +752,7 @@ def _register() -> None:
         doc="play: stays while a signal is within ± half the width around it; begins at 0",
         options=WIDTH,
         states=(SourceState("held"),),
-        kept="signal",
+        bounded_by="signal",
         pace=lambda near: near.pace,
         elsewhere="backlash play",
     )
@@ -759,7 +764,7 @@ def _register() -> None:
         options={"time": OptionKind("time", "how long ago", needed=True, periods=True)},
         states=late,
         of_periods=_delayed,
-        kept="signal",
+        bounded_by="signal",
         bounds=lambda near: near.at,
         pace=lambda near: near.pace,
         linear=True,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.control.controllers import kernel as to
+from fuzzyarm.control.controllers import kernel
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.symbolic.sources import SourceKind
@@ -57,8 +57,8 @@ class Wiring:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Position of a learning table among the cells."""
+class TableCells:
+    """The cells of a learning table: its first value, its first visit, their number."""
 
     values: int
     visits: int
@@ -106,7 +106,7 @@ class ControllerCode:
     signals : dict
         The cell of each axis and signal.
     learned : dict
-        Location of each learning table of each axis.
+        The :class:`TableCells` of each learning table of each axis.
     rings : tuple of (int, int)
         The rings of learners, to empty before another run with the same tables.
     gains : dict
@@ -126,7 +126,7 @@ class ControllerCode:
     code: list[int]
     cells: NDArray[np.float64]
     signals: Mapping[tuple[str, str], int]
-    learned: Mapping[tuple[str, str], Place]
+    learned: Mapping[tuple[str, str], TableCells]
     rings: tuple[tuple[int, int], ...]
     gains: Mapping[str, tuple[int, ...]]
     rulebases: Mapping[int, tuple[str, RuleBase]]
@@ -152,23 +152,25 @@ class ControllerCode:
 
     def instructions(self) -> list[int]:
         """Return the operations in order, without their operands."""
-        return self.code[1 : 1 + to.INSTRUCTION * self.code[0] : to.INSTRUCTION]
+        return self.code[1 : 1 + kernel.INSTRUCTION * self.code[0] : kernel.INSTRUCTION]
 
     def memory(self) -> list[int]:
         """Return the state cells, in order."""
         code = self.code
         cells: set[int] = set()
-        for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
+        for at in range(1, 1 + kernel.INSTRUCTION * code[0], kernel.INSTRUCTION):
             operation, state = code[at], code[at + 3]
             # Operand b: the state of limits and slews, the frame of an update.
-            cells |= {state + cell.offset for cell in to.REMEMBERED.get(operation, ())}
-            if operation == to.UPDATE:
-                cells |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
-            elif operation == to.INFER:
+            cells |= {state + cell.offset for cell in kernel.REMEMBERED.get(operation, ())}
+            if operation == kernel.UPDATE:
+                cells |= set(range(state + 1, state + code[code[at + 2] + kernel.FILLED]))
+            elif operation == kernel.INFER:
                 cells |= self._held(code[at + 2])
-            elif operation == to.PARTNER:
+            elif operation == kernel.PARTNER:
                 at_list = code[at + 2]
-                cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
+                cells |= set(
+                    range(code[at_list + kernel.MEMORY], code[at_list + kernel.MEMORY_END])
+                )
         for guard in self.guards.values():
             cells |= {guard.count, *guard.drives}
             if guard.every > 1:
@@ -176,15 +178,15 @@ class ControllerCode:
         # Learning tables: the ring of used cells, the values and their visits.
         for begin, end in self.rings:
             cells |= set(range(begin, end))
-        for place in self.learned.values():
-            cells |= set(range(place.values, place.values + place.count))
-            cells |= set(range(place.visits, place.visits + place.count))
+        for table in self.learned.values():
+            cells |= set(range(table.values, table.values + table.count))
+            cells |= set(range(table.visits, table.visits + table.count))
         return sorted(cells)
 
     def _held(self, at: int) -> set[int]:
         """Return the results of an inference that hold if no rule fires."""
-        count = self.code[at + to.COUNT_RESULTS]
-        first = at + to.INFER_CELLS + self.code[at + to.COUNT_INPUTS]
+        count = self.code[at + kernel.COUNT_RESULTS]
+        first = at + kernel.INFER_CELLS + self.code[at + kernel.COUNT_INPUTS]
         cells, holds = (
             self.code[first : first + count],
             self.code[first + count : first + 2 * count],

@@ -28,11 +28,9 @@ from fuzzyarm.control.controllers.reach import (
     MADE,
     PORT,
     LookUp,
-    Meeting,
     Reaches,
-    overlap,
+    UnitProduct,
     reaches_of,
-    width,
 )
 from fuzzyarm.control.controllers.text import ControllerText, ports_of
 from fuzzyarm.language.check.coverage import silent_point
@@ -53,6 +51,7 @@ from fuzzyarm.language.model.rulebase import Output, RuleBase
 from fuzzyarm.language.statements import Broken
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
+from fuzzyarm.symbolic.intervals import overlap, width
 from fuzzyarm.symbolic.operations import Interval
 
 
@@ -265,9 +264,9 @@ def _too_wide(model: ControllerModel, look_up: LookUp) -> Diagnostic | None:
     reach, universe = look_up.reach, look_up.universe
     whole, inside = width(reach.at), width(overlap(reach.at, universe))
     # For a sum with cancelling terms the interval is wider than the signal's range.
-    if not reach.tight or not FACTORS[reach.kept] * inside < whole < math.inf:
+    if not reach.tight or not FACTORS[reach.confined_by] * inside < whole < math.inf:
         return None
-    if reach.kept != FED_BACK:
+    if reach.confined_by != FED_BACK:
         hint = f"multiply its gain by about {width(universe) / whole:.2g}"
         return _of_range(look_up, "everything saturates", hint)
     hint = f"multiply its gain by {FACTORS[FED_BACK] * width(universe) / whole:.2g} or less"
@@ -389,29 +388,29 @@ def _unlike_units(
 ) -> Iterator[Diagnostic]:
     """Yield gains whose unit meets another of its dimension, as rad and deg, uncancelled."""
     gains = {model.name: model for model in text.model.gains}
-    for meeting in reaches.meetings:
-        before, brought = meeting.reach, meeting.brought
+    for units in reaches.unit_products:
+        before, brought = units.reach, units.brought
         both = product(before, brought)
-        if meeting.option and both and meeting.name in gains:
-            yield _unlike_option(meeting, gains[meeting.name])
+        if units.option and both and units.name in gains:
+            yield _unlike_option(units, gains[units.name])
             continue
-        if not meeting.name:
-            yield from _unlike_terms(meeting)
+        if not units.name:
+            yield from _unlike_terms(units)
             continue
         # Report the gain that causes the conflict, not the lines after it: neither factor may have
         # a conflict of its own.
         pair = unlike(both) if both is not None else None
-        if pair is None or unlike(before) or unlike(brought) or meeting.name not in gains:
+        if pair is None or unlike(before) or unlike(brought) or units.name not in gains:
             continue
-        gain = gains[meeting.name]
+        gain = gains[units.name]
         yield Diagnostic(
             "unlike-units",
-            f"{pair[0]} and {pair[1]} do not cancel: gain {meeting.name} has the unit {gain.unit},"
+            f"{pair[0]} and {pair[1]} do not cancel: gain {units.name} has the unit {gain.unit},"
             f" what it scales {unit_text(before)}",
-            meeting.span,
+            units.span,
             Severity.WARNING,
             hint="write both in one unit",
-            related=(Related(f"gain {meeting.name}", gain.span),),
+            related=(Related(f"gain {units.name}", gain.span),),
         )
     for address, lines in reaches.drives.items():
         port = _port(text.model, site, address)
@@ -427,14 +426,14 @@ def _unlike_units(
         yield from _of_another_dimension(up)
 
 
-def _unlike_terms(meeting: Meeting) -> Iterator[Diagnostic]:
+def _unlike_terms(units: UnitProduct) -> Iterator[Diagnostic]:
     """Yield a sum of terms with different units."""
-    one, other = meeting.reach, product({}, meeting.brought, -1) or {}
-    ratio = product(one, meeting.brought)
+    one, other = units.reach, product({}, units.brought, -1) or {}
+    ratio = product(one, units.brought)
     if differs(ratio):
         words = f"a sum of {unit_text(one)} and {unit_text(other)}".replace(" 1", " a plain number")
         hint = "a gain gives a term the unit of the others"
-        yield Diagnostic("unlike-units", words, meeting.span, Severity.WARNING, hint=hint)
+        yield Diagnostic("unlike-units", words, units.span, Severity.WARNING, hint=hint)
 
 
 def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
@@ -452,14 +451,14 @@ def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
         )
 
 
-def _unlike_option(meeting: Meeting, gain: GainModel) -> Diagnostic:
+def _unlike_option(units: UnitProduct, gain: GainModel) -> Diagnostic:
     return Diagnostic(
         "unlike-units",
-        f"{meeting.option} is in {gain.unit}, its signal in {unit_text(meeting.reach)}",
-        meeting.span,
+        f"{units.option} is in {gain.unit}, its signal in {unit_text(units.reach)}",
+        units.span,
         Severity.WARNING,
         hint="write both in one unit",
-        related=(Related(f"gain {meeting.name}", gain.span),),
+        related=(Related(f"gain {units.name}", gain.span),),
     )
 
 

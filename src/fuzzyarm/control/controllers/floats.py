@@ -15,9 +15,9 @@ import numpy as np
 
 from fuzzyarm.control.controllers.period import (
     Algebra,
+    AxisResults,
     Call,
     ControlPeriod,
-    Found,
     Guard,
     Lesson,
     PortValue,
@@ -75,7 +75,7 @@ class Floats(Algebra[float]):
     # --- numbers ---
 
     def number(self, value: float) -> float:
-        """Return it."""
+        """Return the float."""
         return float(value)
 
     def add(self, a: float, b: float) -> float:
@@ -201,14 +201,14 @@ class Floats(Algebra[float]):
         self.driven |= {(guard.axis, port): value for port, value in drives.items()}
         return drives
 
-    def ran(self, guard: Guard, found: Found[float]) -> dict[str, float] | None:
+    def ran(self, guard: Guard, results: AxisResults[float]) -> dict[str, float] | None:
         """Return the drives of a period skipped after all; None keeps those of this one."""
-        values = (*found.signals.values(), *found.drives.values())
-        if any(map(math.isnan, values)) or not all(map(math.isfinite, found.memory.values())):
+        values = (*results.signals.values(), *results.drives.values())
+        if any(map(math.isnan, values)) or not all(map(math.isfinite, results.memory.values())):
             self.tables = {k: v for k, v in self.tables.items() if k[0] != guard.axis}
             self.tables |= self.tables_before
             return self._sent(guard)
-        self.driven |= {(guard.axis, port): value for port, value in found.drives.items()}
+        self.driven |= {(guard.axis, port): value for port, value in results.drives.items()}
         return None
 
 

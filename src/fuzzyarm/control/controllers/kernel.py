@@ -3,11 +3,12 @@
 Two arrays hold everything. The **cells** ``s`` are numbers:
 
 =============  ============================================================================
-signals        inputs from plant and clock, written by the loop; see `program`
+observation    references and measured values, the clock: written by the loop, see `program`
 numbers        gains and literal numbers
 signals        of every axis, and intermediate values
-frames         of sources (:mod:`fuzzyarm.control.controllers.updates`); states of limits, rings of
-learners tables         grids and values; visits of tables that learn
+frames         of sources (:mod:`fuzzyarm.control.controllers.updates`)
+states         of the limits of drives; rings of the cells that learners used
+tables         grids and values; visits of tables that learn
 rule bases     a block each, see :mod:`fuzzyarm.inference.block`
 =============  ============================================================================
 
@@ -23,8 +24,8 @@ same instructions (:mod:`fuzzyarm.exchange.export`). A source's state is NaN bef
 The first list are the guards. If a reference or measured value of an axis is NaN, its instructions
 are skipped: memory, learned tables and drives keep their values. They are restored if a signal or a
 drive turns out NaN (no rule fires, the difference of two infinities) or a memory infinite: each
-state has a cell with its value before. The sum of all ``x - x``, formed on the way, shows whether
-to look.
+state has a cell with its value before. The sum of all ``x - x``, formed on the way, is 0 unless one
+of them is: only then are the axes inspected.
 """
 
 from __future__ import annotations
@@ -171,7 +172,7 @@ def step_guarded(k: Any, s: Any) -> None:
         run(k, s, at, k[guard + GUARD_BEGIN])
         at = k[guard + GUARD_END]
         # Between two runs the signals and drives of an axis stay.
-        if k[guard + EVERY] <= 1 or comes_round(k, s, guard):
+        if k[guard + EVERY] <= 1 or is_due(k, s, guard):
             if lacks_number(k, s, guard + GUARDED, k[guard + COUNT_READ]):
                 skip(k, s, guard)
             else:
@@ -182,8 +183,8 @@ def step_guarded(k: Any, s: Any) -> None:
 
 
 @kernel
-def comes_round(k: Any, s: Any, guard: int) -> bool:
-    """Whether a slow axis runs in this period; counts it."""
+def is_due(k: Any, s: Any, guard: int) -> bool:
+    """Whether a slow axis runs in this period; count the period."""
     turn = k[guard + TURN]
     following = s[turn] + 1.0
     now: bool = s[turn] == 0.0
@@ -208,15 +209,15 @@ def settle(k: Any, s: Any) -> None:
 def settle_one(k: Any, s: Any, guard: int) -> None:
     """Undo the period of an axis unless all its results are numbers, its memory finite."""
     drives = guard + GUARDED + k[guard + COUNT_READ]
-    found = True
+    is_valid = True
     for i in range(drives, drives + 2 * k[guard + COUNT_SENT], 2):
-        found = found and not math.isnan(s[k[i]])
+        is_valid = is_valid and not math.isnan(s[k[i]])
     for at in range(k[guard + GUARD_BEGIN], k[guard + GUARD_END], INSTRUCTION):
-        found = found and can_last(k, s, at)
-    if found:
+        is_valid = is_valid and holds_numbers(k, s, at)
+    if is_valid:
         return
     for at in range(k[guard + GUARD_BEGIN], k[guard + GUARD_END], INSTRUCTION):
-        take_back(k, s, at)
+        restore(k, s, at)
     skip(k, s, guard)
 
 
@@ -230,7 +231,7 @@ def skip(k: Any, s: Any, guard: int) -> None:
 
 
 @kernel
-def can_last(k: Any, s: Any, at: int) -> bool:
+def holds_numbers(k: Any, s: Any, at: int) -> bool:
     """Whether the stored signal of an instruction is a number, and its memory finite."""
     operation, a, state = k[at], k[at + 2], k[at + 3]
     total = 0.0
@@ -245,7 +246,7 @@ def can_last(k: Any, s: Any, at: int) -> bool:
 
 
 @kernel
-def take_back(k: Any, s: Any, at: int) -> None:
+def restore(k: Any, s: Any, at: int) -> None:
     """Restore the memory of an instruction to that of the period before."""
     operation, a, state = k[at], k[at + 2], k[at + 3]
     if operation == UPDATE:
@@ -301,7 +302,7 @@ def run(k: Any, s: Any, begin: int, end: int) -> float:
                 value = s[a]
             value = combined(operation, value, s[b], s[c])
         else:
-            value = consulted(k, s, operation, a, b, c, single)
+            value = computed(k, s, operation, a, b, c, single)
             if operation == LIMIT and c != 0:
                 total += s[b + OVER]
         if k[at + 5] != 0:
@@ -343,7 +344,7 @@ def combined(operation: int, a: float, b: float, c: float) -> float:
 
 
 @kernel
-def consulted(k: Any, s: Any, operation: int, a: int, b: int, c: int, single: bool) -> float:
+def computed(k: Any, s: Any, operation: int, a: int, b: int, c: int, single: bool) -> float:
     """Return the value of a one-cell instruction, else 0."""
     value = 0.0
     if operation == UPDATE:

@@ -32,7 +32,7 @@ from fuzzyarm.control.controllers.law import (
 from fuzzyarm.control.controllers.program import write_down
 from fuzzyarm.control.controllers.robot_laws import EFFORTS, InverseDynamics, robot_law
 from fuzzyarm.control.controllers.text import ControllerText, gains_of, ports_of
-from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Product, SignalLine
+from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, SignalLine
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, Arm
 from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
@@ -552,20 +552,9 @@ def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) ->
         products = axes.gain_of(line.names[0], drive, gains)
         if products is None or len(drive.products) != 1:
             return UNLIMITED
-        gain = sum(_value(product, gains) for product in products)
+        gain = sum(product.value(gains) for product in products)
         return min(gain * within[0], gain * within[1]), max(gain * within[0], gain * within[1])
     return UNLIMITED
-
-
-def _value(product: Product, gains: Mapping[str, float]) -> float:
-    value = -1.0 if product.negative else 1.0
-    for factor in product.factors:
-        number = gains[factor.value] if isinstance(factor.value, str) else factor.value
-        if factor.divides:
-            value = value / number if number else np.nan
-        else:
-            value *= number
-    return value
 
 
 # --- Learned tables ---

@@ -44,7 +44,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic import op
 from fuzzyarm.symbolic.evaluation import specialise
 from fuzzyarm.symbolic.nodes import Node, constant, substituted, symbol
-from fuzzyarm.symbolic.sources import VALUE, SourceKind, unseen
+from fuzzyarm.symbolic.sources import VALUE, SourceKind, argument_of, unseen
 from fuzzyarm.table import LookupTable
 
 T = TypeVar("T")
@@ -108,7 +108,7 @@ class Guard(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Found(Generic[T]):
+class AxisResults(Generic[T]):
     """The results of an axis in one period.
 
     The period is skipped, like one with NaN inputs, if a signal or a drive is NaN or a memory not
@@ -143,14 +143,14 @@ class Update(Generic[T]):
     @cached_property
     def x(self) -> T:
         """The value of its operand."""
-        return self.period.taken_of(self.source)
+        return self.period.operand_of(self.source)
 
     @cached_property
     def settings(self) -> dict[str, T]:
         """Its options, by the arguments of the update."""
         words = self.kind.settings(dict(self.source.options))
         if self.kind.windup and self.drive is None:
-            words[_argument(self.kind.windup)] = 0.0
+            words[argument_of(self.kind.windup)] = 0.0
         return {word: self.period.operand(value) for word, value in words.items()}
 
     @cached_property
@@ -343,12 +343,12 @@ class Algebra(Generic[T]):
             return update.x
         first = update.period.first
         values = update.arguments()
-        value = self.expression(seen(kind.expression, kind, first), values)
+        value = self.expression(of_period(kind.expression, kind, first), values)
         if kind.rounded:
             value = self.rounded(value)
         values[VALUE] = value
         for cell, root in zip(update.states.values(), kind.nexts, strict=True):
-            after = self.expression(seen(root, kind, first), values)
+            after = self.expression(of_period(root, kind, first), values)
             update.period.remember(cell, self.rounded(after) if kind.rounded else after)
         return value
 
@@ -422,7 +422,7 @@ class Algebra(Generic[T]):
         """Return the drives of a skipped axis; None if it runs."""
         return None
 
-    def ran(self, guard: Guard, found: Found[T]) -> dict[str, T] | None:
+    def ran(self, guard: Guard, results: AxisResults[T]) -> dict[str, T] | None:
         """Return the drives of an axis skipped after its run; None keeps its results."""
         return None
 
@@ -535,7 +535,7 @@ class ControlPeriod(Generic[T]):
                 self.remember(_seen(self.axis, name), self.signals[name])
             self._leave(self._drives)
             after = {c.name: self._after[c.name] for c in memory if c.name in self._after}
-            sent = self.algebra.ran(guard, Found(self.signals, self._drives, after))
+            sent = self.algebra.ran(guard, AxisResults(self.signals, self._drives, after))
         if sent is None:
             return self._drives
         self._stay()
@@ -673,7 +673,7 @@ class ControlPeriod(Generic[T]):
 
     # --- sources, rule bases, tables ---
 
-    def taken_of(self, source: Source) -> T:
+    def operand_of(self, source: Source) -> T:
         """Return the operand of a source: a signal or the value of a port."""
         kinds = source.record.ports
         if not kinds:
@@ -693,15 +693,7 @@ class ControlPeriod(Generic[T]):
         products = self.axes.gain_of(line.names[0], drive, self.gains)
         if not products:
             return self.algebra.number(1.0 if products is None else 0.0)
-        # The first factor of a product multiplies; only later ones divide.
-        return self.sum(
-            [
-                product
-                if product.factors and not product.factors[0].divides
-                else Product((Factor(1.0), *product.factors), product.negative)
-                for product in products
-            ]
-        )
+        return self.sum(products)
 
     def sheet(self, name: str, index: int) -> Sheet | None:
         """Return the rule base or table of an axis; None if unreadable."""
@@ -750,18 +742,13 @@ def _held_by(axis: str, line: SignalLine | Learn, index: int) -> Remembered:
 def _wound(axes: Axes, line: SignalLine, source: Source) -> Drive | None:
     """Return the drive whose limits an anti-windup uses; None without."""
     kind = source.record
-    if not kind.windup or not kind.settings(dict(source.options))[_argument(kind.windup)]:
+    if not kind.windup or not kind.settings(dict(source.options))[argument_of(kind.windup)]:
         return None
     return axes.driven_by(line.names[0])
 
 
-def _argument(option: str) -> str:
-    """Return the argument of an update for an option."""
-    return option.replace("-", "_")
-
-
 @cache
-def seen(root: Node, kind: SourceKind, first: bool | None) -> Node:
+def of_period(root: Node, kind: SourceKind, first: bool | None) -> Node:
     """Return an update specialised to the first or a later period, for states starting as NaN."""
     if first is None:
         return root

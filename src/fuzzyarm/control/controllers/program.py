@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.control.controllers import kernel as to
+from fuzzyarm.control.controllers import kernel
 from fuzzyarm.control.controllers.code import (
     AXIS,
     ControllerCode,
     Guard,
-    Place,
     Sheet,
     SourceError,
+    TableCells,
     Wiring,
 )
 from fuzzyarm.control.controllers.law import LawBlock
@@ -47,7 +47,7 @@ from fuzzyarm.language.model.controller import (
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import LAST, RunArithmetic, stored_double, stored_single
 from fuzzyarm.symbolic.kernels import address_of
-from fuzzyarm.symbolic.sources import SourceKind
+from fuzzyarm.symbolic.sources import SourceKind, argument_of
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 
@@ -83,16 +83,11 @@ def write_down(
 
 
 _FUSED = {
-    (to.SUBTRACT, to.MULTIPLY): to.SUBTRACT_MULTIPLY,
-    (to.MULTIPLY, to.MULTIPLY): to.MULTIPLY_BOTH,
-    (to.MULTIPLY, to.DIVIDE): to.MULTIPLY_DIVIDE,
+    (kernel.SUBTRACT, kernel.MULTIPLY): kernel.SUBTRACT_MULTIPLY,
+    (kernel.MULTIPLY, kernel.MULTIPLY): kernel.MULTIPLY_BOTH,
+    (kernel.MULTIPLY, kernel.DIVIDE): kernel.MULTIPLY_DIVIDE,
 }
 """Pairs of instructions that fuse if the second uses the result of the first."""
-
-
-def _argument(word: str) -> str:
-    """Return the argument of an update for an option."""
-    return word.replace("-", "_")
 
 
 class _Writer:
@@ -121,9 +116,9 @@ class _Writer:
         self.numbers: dict[float, int] = {}
         self.signal_cells: dict[tuple[str, str], int] = {}  # signals of the axes
         self.gains: dict[str, tuple[int, ...]] = {}
-        self.tables: dict[tuple[str, int], Place] = {}
+        self.tables: dict[tuple[str, int], TableCells] = {}
         self.grids: dict[str, tuple[int, list[Axis]]] = {}
-        self.learned: dict[tuple[str, str], Place] = {}
+        self.learned: dict[tuple[str, str], TableCells] = {}
         self.inferences: dict[int, tuple[str, RuleBase]] = {}
         self.blocks: dict[int, KernelRuleBlock] = {}  # of the rule bases, by their identity
         self.looked_up: dict[int, tuple[str, LookupTable]] = {}
@@ -155,7 +150,7 @@ class _Writer:
                     self.last_drives[self.drives[name, port]] = self._cell(0.0)
                 for line in axes.lines:
                     self._write_line(axes, line, first)
-                self._keep(axes)
+                self._store_values(axes)
                 self._guard(axes, begin)
                 self.index += 1
         self._join_drives()
@@ -178,18 +173,18 @@ class _Writer:
         for address, cell in self.wiring.drives.items():
             own = self.drives[address]
             if own != cell:
-                self._do(to.ADD, cell, cell if cell in begun else self._number(0.0), own)
+                self._emit(kernel.ADD, cell, cell if cell in begun else self._number(0.0), own)
                 begun.add(cell)
 
-    def _keep(self, axes: Axes) -> None:
+    def _store_values(self, axes: Axes) -> None:
         """Store the last value of a signal or drive read elsewhere or later; it must be finite."""
         for signal in self.model.seen_elsewhere(self.axis):
             state = self._cell(0.0, math.inf, 0.0)
-            self._do(to.SLEW, self._cell(0.0), self.signal_cells[self.axis, signal], state)
-            self.seen_cells[self.axis, signal] = state + to.LAST_DRIVE
+            self._emit(kernel.SLEW, self._cell(0.0), self.signal_cells[self.axis, signal], state)
+            self.seen_cells[self.axis, signal] = state + kernel.LAST_DRIVE
         for port in axes.remembered_drives():
             cell = self.drives[self.axis, port]
-            self._do(to.SUBTRACT, self._cell(0.0), cell, cell)  # NaN if infinite
+            self._emit(kernel.SUBTRACT, self._cell(0.0), cell, cell)  # NaN if infinite
             self.code[-1] = 1
 
     def _guard(self, axes: Axes, begin: int) -> None:
@@ -218,7 +213,7 @@ class _Writer:
         stored = stored_single if self.arithmetic.single else stored_double
         addresses = [
             address_of(function, "if", {"stored": stored}, compiled=self.arithmetic.compiled)
-            for function in (to.step_guarded, to.settle)
+            for function in (kernel.step_guarded, kernel.settle)
         ]
         last = [cell for pair in self.last_drives.items() for cell in pair]
         slow = any(guard.every > 1 for guard in self.guards.values())
@@ -239,7 +234,7 @@ class _Writer:
             self.code[field] += begin
         for field in self.part_fields:
             self.lists[field] += len(self.cells)
-        code = [len(self.code) // to.INSTRUCTION, *self.code, *guards, *self.lists]
+        code = [len(self.code) // kernel.INSTRUCTION, *self.code, *guards, *self.lists]
         cells = np.concatenate([np.array(self.cells), *self.parts])
         return ControllerCode(
             code,
@@ -269,14 +264,14 @@ class _Writer:
             self.numbers[value] = self._cell(value)
         return self.numbers[value]
 
-    def _do(self, operation: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
+    def _emit(self, operation: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
         """Add an instruction, or fuse it with the one before; return the target cell."""
-        before = self.code[-to.INSTRUCTION :]
+        before = self.code[-kernel.INSTRUCTION :]
         # Two instructions through the scratch cell fuse into one, unless the first rounds its
         # result: fused, that rounding would be lost.
-        both = _FUSED.get((before[0], operation)) if before else None
-        if both is not None and into == before[1] == a == self.scratch and not before[5]:
-            self.code[-to.INSTRUCTION :] = [both, into, before[2], before[3], b, 0]
+        fused = _FUSED.get((before[0], operation)) if before else None
+        if fused is not None and into == before[1] == a == self.scratch and not before[5]:
+            self.code[-kernel.INSTRUCTION :] = [fused, into, before[2], before[3], b, 0]
         else:
             self.code += [operation, into, a, b, c, 0]
         return into
@@ -285,13 +280,13 @@ class _Writer:
         """Move a value to another cell; if possible the last instruction writes there directly."""
         # Of the last instruction code[-5] is the target and code[-1] the rounding flag.
         if cell != self.scratch or self.code[-5] != cell:
-            self._do(to.COPY, into, cell)
+            self._emit(kernel.COPY, into, cell)
         self.code[-5] = into
         self.code[-1] = int(rounded)
 
     def _list(self, field: int, items: Sequence[int]) -> None:
         """Add a list; operand `field` of the last instruction is its begin."""
-        position = len(self.code) - to.INSTRUCTION + field
+        position = len(self.code) - kernel.INSTRUCTION + field
         self.code[position] = len(self.lists)
         self.list_fields.append(position)
         self.lists += items
@@ -311,14 +306,14 @@ class _Writer:
         for name, (address, block) in self.partners.items():
             numbers = self._cell(*map(float, block.numbers))
             memory = self._cell(*map(float, block.memory))
-            self._do(to.PARTNER, self.scratch, 0)
+            self._emit(kernel.PARTNER, self.scratch, 0)
             ends = [numbers, numbers + len(block.numbers), memory, memory + len(block.memory)]
             self._list(2, [address, *ends, 0, 0])
             links = len(self.lists)
             self.lists += block.links
             self.lists[links - 2], self.lists[links - 1] = links, links + len(block.links)
             for axis, cell in zip(self.model.axis_names, self.wiring.partners, strict=False):
-                self.signal_cells[axis, name] = self._do(to.COPY, self._cell(0.0), cell)
+                self.signal_cells[axis, name] = self._emit(kernel.COPY, self._cell(0.0), cell)
 
     def _operand(self, value: str | float) -> int:
         """Return the cell of a number, a signal or a gain."""
@@ -363,8 +358,8 @@ class _Writer:
 
     def _factors(self, cell: int, factors: Sequence[Factor]) -> int:
         for factor in factors:
-            operation = to.DIVIDE if factor.divides else to.MULTIPLY
-            cell = self._do(operation, self.scratch, cell, self._operand(factor.value))
+            operation = kernel.DIVIDE if factor.divides else kernel.MULTIPLY
+            cell = self._emit(operation, self.scratch, cell, self._operand(factor.value))
         return cell
 
     def _sum(self, products: Sequence[Product]) -> int:
@@ -377,12 +372,12 @@ class _Writer:
                 total = cell if len(products) == 1 else self._copy(cell)
                 continue
             before = self._number(0.0) if total < 0 else total
-            operation = to.SUBTRACT if product.negative else to.ADD
-            total = self._do(operation, self._cell(0.0), before, cell)
+            operation = kernel.SUBTRACT if product.negative else kernel.ADD
+            total = self._emit(operation, self._cell(0.0), before, cell)
         return total
 
     def _copy(self, cell: int) -> int:
-        return self._do(to.COPY, self._cell(0.0), cell)
+        return self._emit(kernel.COPY, self._cell(0.0), cell)
 
     def _source(self, axes: Axes, line: SignalLine, source: Source) -> int:
         """Write the instructions of a source; return the cell of its value."""
@@ -390,7 +385,7 @@ class _Writer:
         kind = source.sized(period)
         if kind.of == "call":
             return self._look_up(source)
-        cell = self._taken_of(source)
+        cell = self._operand_of(source)
         if kind.function is None:
             return cell
         options = dict(source.options)
@@ -400,13 +395,13 @@ class _Writer:
         settings = kind.settings(options)
         if kind.windup:
             settings |= {"excess": 0.0, "gain": 0.0}
-            drive = axes.driven_by(line.names[0]) if settings[_argument(kind.windup)] else None
+            drive = axes.driven_by(line.names[0]) if settings[argument_of(kind.windup)] else None
             if drive is None:
-                settings[_argument(kind.windup)] = 0.0
+                settings[argument_of(kind.windup)] = 0.0
             else:
                 if cell == self.scratch:  # where the gain may be computed
                     cell = self._copy(cell)
-                arguments["excess"] = self._limit_state(drive) + to.OVER
+                arguments["excess"] = self._limit_state(drive) + kernel.OVER
                 arguments["gain"] = self._gain_of_drive(axes, line, drive)
         arguments |= {
             name: self._operand(value) for name, value in settings.items() if isinstance(value, str)
@@ -422,13 +417,13 @@ class _Writer:
             for cell, name in enumerate(kind.inputs, frame + filled)
             if name in arguments
         ]
-        self._do(to.UPDATE, self.scratch, 0, frame, cell)
+        self._emit(kernel.UPDATE, self.scratch, 0, frame, cell)
         address = update_address(kind, compiled=self.arithmetic.compiled)
         head = [address, filled, int(kind.rounded), frame + filled + len(constants), len(fetches)]
         self._list(2, [*head, *(cell for pair in fetches for cell in pair)])
         return self.scratch
 
-    def _taken_of(self, source: Source) -> int:
+    def _operand_of(self, source: Source) -> int:
         """Return the cell of a source's operand: a signal, or a value of a port."""
         of = (self.axis, source.name)
         ports = source.record.ports
@@ -444,29 +439,22 @@ class _Writer:
         set_point = self.wiring.references[of]
         weight = source.option("weight")
         if isinstance(weight, str | float):
-            set_point = self._do(to.MULTIPLY, self.scratch, set_point, self._operand(weight))
-        return self._do(to.SUBTRACT, self.scratch, set_point, self.wiring.measured[of])
+            set_point = self._emit(kernel.MULTIPLY, self.scratch, set_point, self._operand(weight))
+        return self._emit(kernel.SUBTRACT, self.scratch, set_point, self.wiring.measured[of])
 
     def _gain_of_drive(self, axes: Axes, line: SignalLine, drive: Drive) -> int:
         """Return the cell of a drive's sensitivity to an integral; 1 if not constant."""
         products = axes.gain_of(line.names[0], drive, self.gains)
         if not products:
             return self._number(1.0 if products is None else 0.0)
-        # The first factor of a product multiplies; only later ones divide.
-        whole = [
-            product
-            if product.factors and not product.factors[0].divides
-            else Product((Factor(1.0), *product.factors), product.negative)
-            for product in products
-        ]
-        if len(whole) == 1 and len(whole[0].factors) == 1 and not whole[0].negative:
-            return self._operand(whole[0].factors[0].value)
+        if len(products) == 1 and len(products[0].factors) == 1 and not products[0].negative:
+            return self._operand(products[0].factors[0].value)
         into = self._cell(0.0)
-        self._move(into, self._sum(whole), rounded=False)
+        self._move(into, self._sum(products), rounded=False)
         return into
 
     def _write_zoom(self, line: Zoom) -> None:
-        self._do(to.ZOOM, self.scratch, 0, len(line.signals))
+        self._emit(kernel.ZOOM, self.scratch, 0, len(line.signals))
         numbers = [self._operand(line.by), self._operand(line.inside), int(line.wait)]
         self._list(2, [*numbers, *map(self._signal, line.signals)])
 
@@ -474,14 +462,14 @@ class _Writer:
         cell = self._sum(line.products)
         if line.within is not None:
             remembers = int(id(line) in self.limits)
-            cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line), remembers)
+            cell = self._emit(kernel.LIMIT, self.scratch, cell, self._limit_state(line), remembers)
         if line.slew is not None:
             steepest = line.slew * self.every
-            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, steepest, 0.0))
+            cell = self._emit(kernel.SLEW, self.scratch, cell, self._cell(0.0, steepest, 0.0))
         port = self.drives[self.axis, line.port]
         # The first drive of a port sets it, the others add to it, in the order of the text.
         if port in first:
-            self._do(to.ADD, port, port, cell)
+            self._emit(kernel.ADD, port, port, cell)
         else:
             self._move(port, cell, rounded=False)
         first.add(port)
@@ -518,7 +506,7 @@ class _Writer:
         ]
         self.inferences[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
-        self._do(to.INFER, self.scratch, 0, address)
+        self._emit(kernel.INFER, self.scratch, 0, address)
         at = len(self.lists)
         self._list(
             2,
@@ -534,7 +522,7 @@ class _Writer:
                 *map(int, holds),
             ],
         )
-        self.part_fields += [at + to.BEGIN, at + to.END]
+        self.part_fields += [at + kernel.BEGIN, at + kernel.END]
         (product,) = line.products or (Product(()),)
         for name, cell in zip(line.names, results, strict=True):
             self._store(name, self._factors(cell, product.factors))
@@ -552,43 +540,43 @@ class _Writer:
 
     def _look_up(self, source: Source) -> int:
         inputs = tuple(map(self._signal, source.inputs))
-        place = self._place(source.name)
+        cells = self._table_cells(source.name)
         grid, axes = self.grids[source.name]
         cell = self.cell_signal.get((source.name, self.index))
         if cell is not None and cell[0] == inputs:
-            return self._do(to.LOOK_UP_CELL, self.scratch, cell[1], place.values)
+            return self._emit(kernel.LOOK_UP_CELL, self.scratch, cell[1], cells.values)
         linear = self.cells[grid + 1] != 0.0
         size = len(axes) + 2 ** len(axes) if linear else len(axes)
         scratch = self._cell(*[0.0] * size)
-        self._do(to.LOOK_UP, self.scratch, 0, grid)
-        self._list(2, [place.values, scratch, *inputs])
+        self._emit(kernel.LOOK_UP, self.scratch, 0, grid)
+        self._list(2, [cells.values, scratch, *inputs])
         return self.scratch
 
     def _write_learn(self, line: Learn) -> None:
-        place = self._place(line.table)
+        cells = self._table_cells(line.table)
         grid, axes = self.grids[line.table]
         if self.cells[grid + 1] != 0.0:
             raise SourceError("a table that is interpolated has no responsible cell to correct")
-        judge = self._place(line.judge)
+        judge = self._table_cells(line.judge)
         judge_grid, judge_axes = self.grids[line.judge]
         alike = [(a.levels, a.thresholds("nearest")) for a in axes] == [
             (a.levels, a.thresholds("nearest")) for a in judge_axes
         ]
         ring = self._cell(0.0, *[-1.0] * line.delay)
         self.rings.append((ring, ring + 1 + line.delay))
-        visits = self._cell(*[0.0] * place.count)
+        visits = self._cell(*[0.0] * cells.count)
         inputs = tuple(map(self._signal, line.inputs))
-        cell = self._do(to.LEARN, self._cell(0.0), 0)
+        cell = self._emit(kernel.LEARN, self._cell(0.0), 0)
         tables = [grid, judge_grid, judge.values, int(alike)]
         numbers = [self._operand(line.rate), self._operand(line.bound)]
         last_indices = [self._cell(*[0.0] * len(inputs)) for _ in range(2)]
         last_indices.append(self._cell(-1.0, 0.0, 0.0, 0.0))
         ring_and_rate = [ring, line.delay, *numbers]
-        self._list(2, [place.values, visits, *ring_and_rate, *tables, *last_indices, *inputs])
+        self._list(2, [cells.values, visits, *ring_and_rate, *tables, *last_indices, *inputs])
         self.cell_signal[line.table, self.index] = (inputs, cell)
-        self.learned[self.axis, line.table] = Place(place.values, visits, place.count)
+        self.learned[self.axis, line.table] = TableCells(cells.values, visits, cells.count)
 
-    def _place(self, name: str) -> Place:
+    def _table_cells(self, name: str) -> TableCells:
         """Write a table, once for each axis."""
         key = (name, self.index)
         if key not in self.tables:
@@ -599,9 +587,9 @@ class _Writer:
             if name not in self.grids or len(self.sheets[name]) > 1:
                 self.grids[name] = (self._cell(*pack_grid(axes, table.default_mode)), axes)
             stored = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
-            self.tables[key] = Place(self._cell(*stored), 0, len(stored))
-            table_ = replace(table, axes=tuple(axes), values=values)
-            self.looked_up[self.tables[key].values] = (name, table_)
+            self.tables[key] = TableCells(self._cell(*stored), 0, len(stored))
+            of_this_axis = replace(table, axes=tuple(axes), values=values)
+            self.looked_up[self.tables[key].values] = (name, of_this_axis)
         return self.tables[key]
 
 

@@ -36,12 +36,13 @@ from fuzzyarm.language.model.controller import (
 )
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
-from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
+from fuzzyarm.symbolic.intervals import combine, hull, largest, overlap, symmetric, width
+from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 from fuzzyarm.symbolic.sources import Chosen, Surroundings
 
 FED_BACK, PORT, MADE = 3, 2, 1
-"""Why a signal stays within its universe: the loop (errors and rates, small in a working loop),
-the plant (measured and reference values), or the text alone."""
+"""What confines a signal to its universe: the loop (errors and rates, small in a working loop), the
+plant (measured and reference values), or the text alone."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Reach:
     pace : float
         Largest rate, per second, as far as the plant's rates are known. Jumps of a reference are
         excluded.
-    kept : int
+    confined_by : int
         `FED_BACK`, `PORT` or `MADE`.
     unit : dict or None
         None if uncertain.
@@ -75,7 +76,7 @@ class Reach:
 
     at: Interval = EVERYTHING
     pace: float = math.inf
-    kept: int = MADE
+    confined_by: int = MADE
     unit: Unit | None = None
     origins: frozenset[str] = frozenset()
     tight: bool = True
@@ -110,7 +111,7 @@ class LookUp:
 
 
 @dataclass(frozen=True)
-class Meeting:
+class UnitProduct:
     """A product of two units of one kind: `name` is the factor with the second one.
 
     `option` names an option instead of a factor: then the whole unit has to cancel. Without a name
@@ -138,7 +139,7 @@ class Reaches:
         In the order of the text.
     drives : dict
         By axis and port: its lines and their ranges, limits included.
-    meetings : list of Meeting
+    unit_products : list of UnitProduct
         Products of units, to judge gains.
     """
 
@@ -146,7 +147,7 @@ class Reaches:
     sources: dict[tuple[str, Source], Reach] = field(default_factory=dict)
     look_ups: list[LookUp] = field(default_factory=list)
     drives: dict[Address, list[tuple[Drive, Reach]]] = field(default_factory=dict)
-    meetings: list[Meeting] = field(default_factory=list)
+    unit_products: list[UnitProduct] = field(default_factory=list)
 
 
 def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
@@ -160,38 +161,6 @@ def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
         The plant, if known.
     """
     return Ranges(text, site).walk()
-
-
-def combine(operation: str, a: Interval, b: Interval) -> Interval:
-    """Return the bounds of an operation."""
-    return OPERATIONS[operation].bounds(a, b)
-
-
-def hull(*intervals: Interval) -> Interval:
-    """Return the smallest interval around some intervals."""
-    return Interval(
-        min(interval.low for interval in intervals), max(interval.high for interval in intervals)
-    )
-
-
-def overlap(a: Interval, b: Interval) -> Interval:
-    """Return the intersection of two intervals; its ends cross if it is empty."""
-    return Interval(max(a.low, b.low), min(a.high, b.high))
-
-
-def width(interval: Interval) -> float:
-    """Return the width of an interval, 0 if its ends cross."""
-    return max(0.0, interval.high - interval.low)
-
-
-def largest(interval: Interval) -> float:
-    """Return the largest magnitude in an interval."""
-    return max(abs(interval.low), abs(interval.high))
-
-
-def symmetric(size: float) -> Interval:
-    """Return the interval of all values up to a magnitude."""
-    return Interval(-size, size)
 
 
 class Ranges(Algebra[Reach]):
@@ -233,12 +202,14 @@ class Ranges(Algebra[Reach]):
         known = [x.unit for x in (a, b) if x.unit is not None and not (x.plain and not x.unit)]
         if len(known) == 2 and known[0] != known[1] and (a.scaled or b.scaled):
             one, other = (of_difference(unit) or {} for unit in known)
-            self.reaches.meetings.append(Meeting("", one, product({}, other, -1) or {}, self._span))
+            self.reaches.unit_products.append(
+                UnitProduct("", one, product({}, other, -1) or {}, self._span)
+            )
             known = []
         return Reach(
             combine("add", a.at, b.at),
             a.pace + b.pace,
-            max(a.kept, b.kept),
+            max(a.confined_by, b.confined_by),
             known[0] if known else a.unit if a.unit == b.unit else None,
             a.origins | b.origins,
             # Two parts with an origin in common may cancel.
@@ -274,11 +245,11 @@ class Ranges(Algebra[Reach]):
             pace = largest(combine(word, symmetric(b.pace), a.at))
         if b.name and a.unit is not None and b.unit is not None:
             brought = product({}, b.unit, power) or {}
-            self.reaches.meetings.append(Meeting(b.name, a.unit, brought, self._span))
+            self.reaches.unit_products.append(UnitProduct(b.name, a.unit, brought, self._span))
         return Reach(
             combine(word, a.at, b.at),
             pace,
-            max(a.kept, b.kept),
+            max(a.confined_by, b.confined_by),
             product(a.unit, b.unit, power),
             a.origins | b.origins,
             a.tight and b.tight,
@@ -351,12 +322,12 @@ class Ranges(Algebra[Reach]):
 
     def source(self, update: Update[Reach]) -> Reach:
         """Return the range of a source, by its record."""
-        self._meet_options(update)
+        self._note_option_units(update)
         reach = self._updated(update)
         self.reaches.sources[self.period.axis, update.source] = reach
         return reach
 
-    def _meet_options(self, update: Update[Reach]) -> None:
+    def _note_option_units(self, update: Update[Reach]) -> None:
         """Note gains that need the unit of a source's operand."""
         unit = update.x.unit
         for word, option in update.source.options:
@@ -367,8 +338,8 @@ class Ranges(Algebra[Reach]):
             if own is not None and unit is not None:
                 before, brought = of_difference(unit), product({}, of_difference(own), -1)
                 words = f"the {word} of {update.source.kind}"
-                self.reaches.meetings.append(
-                    Meeting(value, before or {}, brought or {}, self._span, words)
+                self.reaches.unit_products.append(
+                    UnitProduct(value, before or {}, brought or {}, self._span, words)
                 )
 
     def _updated(self, update: Update[Reach]) -> Reach:
@@ -389,36 +360,38 @@ class Ranges(Algebra[Reach]):
             scaled=reach.scaled,
             plain=kind.dimensionless,
         )
-        if kind.kept == "signal":
-            return replace(bounds, kept=reach.kept, origins=reach.origins, tight=reach.tight)
-        kept_by = FED_BACK if kind.kept == "loop" else MADE
+        if kind.bounded_by == "signal":
+            return replace(
+                bounds, confined_by=reach.confined_by, origins=reach.origins, tight=reach.tight
+            )
+        confined_by = FED_BACK if kind.bounded_by == "loop" else MADE
         # A signal bounded by the text alone is assumed to use its whole range.
-        tight = kept_by == MADE or reach.tight
-        return replace(bounds, kept=kept_by, origins=_own(update.source), tight=tight)
+        tight = confined_by == MADE or reach.tight
+        return replace(bounds, confined_by=confined_by, origins=_own(update.source), tight=tight)
 
     def _of_port(self, value: PortValue) -> Reach:
         """Return the range of a measured or reference value of the plant."""
         address = value.axis, value.port
         origins = frozenset({f"{value.kind} {value.port}"})
         if self.site is None:
-            return Reach(kept=PORT, origins=origins)
+            return Reach(confined_by=PORT, origins=origins)
         outputs = self.site.interface.outputs
         try:
             address = self.site.find(self.text.model, value.kind, address)
         except SourceError:
-            return Reach(kept=PORT, origins=origins)
+            return Reach(confined_by=PORT, origins=origins)
         port = outputs.get(address)
         if port is None:  # a reference of an acceleration
-            return Reach(kept=FED_BACK, origins=origins)
+            return Reach(confined_by=FED_BACK, origins=origins)
         # The rate of a port is bounded by the range of its rate port, if any.
         rates = [
             largest(Interval(other.low, other.high))
             for (axis, _), other in outputs.items()
             if axis == address[0] and other.rate_of == address[1]
         ]
-        kept_by = FED_BACK if port.rate_of else PORT
+        confined_by = FED_BACK if port.rate_of else PORT
         at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
-        return Reach(at, pace, kept_by, read_unit(port.unit), origins)
+        return Reach(at, pace, confined_by, read_unit(port.unit), origins)
 
     # --- signals that are magnified together ---
 
@@ -427,14 +400,14 @@ class Ranges(Algebra[Reach]):
     ) -> dict[str, Reach]:
         """Return the ranges of magnified signals."""
         window = symmetric(largest(inside.at))
-        found = {}
+        magnified = {}
         for name, reach in signals.items():
             # Inside the window it is magnified, unless another signal is outside.
             near = overlap(reach.at, window)
             large = combine("multiply", near, by.at)
             whole = hull(reach.at, large) if near.low <= near.high else reach.at
-            found[name] = replace(reach, at=whole)
-        return found
+            magnified[name] = replace(reach, at=whole)
+        return magnified
 
     # --- rule bases and tables ---
 

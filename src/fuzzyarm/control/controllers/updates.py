@@ -18,6 +18,7 @@ from typing import Any
 
 from fuzzyarm.symbolic.evaluation import bounds, evaluate
 from fuzzyarm.symbolic.functions import row_function
+from fuzzyarm.symbolic.intervals import hull
 from fuzzyarm.symbolic.kernels import address_of
 from fuzzyarm.symbolic.nodes import Node, replace, substituted, symbol
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
@@ -31,7 +32,7 @@ UPDATE_ARRAYS = "ff"
 
 def update_address(kind: SourceKind, *, compiled: bool) -> int:
     """Return the address of the update of a source."""
-    function = update_function(kind) if compiled else _quiet(kind)
+    function = update_function(kind) if compiled else _interpreted(kind)
     return address_of(function, UPDATE_ARRAYS, compiled=compiled)
 
 
@@ -64,11 +65,11 @@ def _source(kind: SourceKind, name: str) -> str:
 
 
 @cache
-def _quiet(kind: SourceKind) -> Callable[[Any, Any], None]:
+def _interpreted(kind: SourceKind) -> Callable[[Any, Any], None]:
     """Return the update as plain Python, NaN where arithmetic is undefined."""
     function, roots = update_function(kind), _roots(kind)
 
-    def quiet(arguments: Any, into: Any) -> None:
+    def interpreted(arguments: Any, into: Any) -> None:
         try:
             function(arguments, into)
         except (ArithmeticError, ValueError):
@@ -77,13 +78,13 @@ def _quiet(kind: SourceKind) -> Callable[[Any, Any], None]:
             for index, value in enumerate(results):
                 into[index] = value
 
-    return quiet
+    return interpreted
 
 
 # ── ranges ─────────────────────────────────────────────────────────────────────
 
 MOST_PERIODS = 32
-"""Periods to follow one by one; bounds that still move after these are taken for infinite."""
+"""Periods followed one by one; bounds that still grow after these are widened to infinity."""
 
 
 def range_of_source(
@@ -99,17 +100,17 @@ def range_of_source(
     }  # fmt: skip
     roots = [_first_known(root, kind) for root in _roots(kind)]
     for state, start in zip(kind.states, starts, strict=True):
-        nothing = math.isnan(start)
-        ranges[state.name] = EVERYTHING if nothing else Interval(start, start)
-        ranges[_unseen(state.name)] = Interval(float(nothing), float(nothing))
+        begins_unset = math.isnan(start)
+        ranges[state.name] = EVERYTHING if begins_unset else Interval(start, start)
+        ranges[_unseen(state.name)] = Interval(float(begins_unset), float(begins_unset))
     value: Interval | None = None
     for period_number in range(2 * MOST_PERIODS):
         result, *nexts = (bounds(root, ranges) for root in roots)
         before = value, dict(ranges)
-        value = result if value is None else _hull(value, result)
+        value = result if value is None else hull(value, result)
         for state, start, after in zip(kind.states, starts, nexts, strict=True):
             first = period_number == 0 and math.isnan(start)
-            interval = after if first else _hull(ranges[state.name], after)
+            interval = after if first else hull(ranges[state.name], after)
             if period_number >= MOST_PERIODS:
                 interval = _widened(ranges[state.name], interval)
             ranges[state.name] = interval
@@ -131,10 +132,6 @@ def _first_known(root: Node, kind: SourceKind) -> Node:
     for state in kind.states:
         root = substituted(root, unseen(symbol(state.name)), symbol(_unseen(state.name)))
     return root
-
-
-def _hull(a: Interval, b: Interval) -> Interval:
-    return Interval(min(a.low, b.low), max(a.high, b.high))
 
 
 def _widened(before: Interval, after: Interval) -> Interval:

@@ -13,9 +13,9 @@ from fuzzyarm.base.diagnostic import NOWHERE, Span
 from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.period import (
     Algebra,
+    AxisResults,
     Call,
     ControlPeriod,
-    Found,
     Lesson,
     PortValue,
     Remembered,
@@ -345,12 +345,12 @@ class Lines(Algebra[Node]):
         self.first_step = len(self.result.steps)
         self.lasting, self.numbers, self.finite = [], {}, []
 
-    def ran(self, guard: AxisGuard, found: Found[Node]) -> None:
+    def ran(self, guard: AxisGuard, results: AxisResults[Node]) -> None:
         """End an axis: set states if its period counts; round a sum once."""
         self._store([])
         sent: dict[str, float | None] = {}
         drives: list[Set] = []
-        for port, value in found.drives.items():
+        for port, value in results.drives.items():
             name = StepVariable("drive", guard.axis, port).symbol
             variable = self.result.variables[name]
             self.result.variables[name] = variable._replace(start=guard.idle[port])

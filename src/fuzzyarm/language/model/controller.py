@@ -188,6 +188,17 @@ class Product(NamedTuple):
     factors: tuple[Factor, ...]
     negative: bool = False
 
+    def value(self, gains: Mapping[str, float]) -> float:
+        """Return the product of numbers and gains; NaN for a divisor of 0."""
+        value = -1.0 if self.negative else 1.0
+        for factor in self.factors:
+            number = gains[factor.value] if isinstance(factor.value, str) else factor.value
+            if not factor.divides:
+                value *= number
+            else:
+                value = value / number if number else math.nan
+        return value
+
 
 @dataclass(frozen=True, slots=True)
 class Source:
@@ -439,7 +450,7 @@ class Axes:
         Returns
         -------
         tuple of Product or None
-            Their sum is the gain; None if it varies.
+            Their sum is the gain; None if it varies. The first factor of each multiplies.
         """
         definition = next(
             (x for x in self.lines if isinstance(x, SignalLine) and name in x.names), None
@@ -457,7 +468,8 @@ class Axes:
             elif isinstance(line, Zoom):
                 # A zoom scales its signals at run time: no constant gain.
                 gains |= dict.fromkeys(line.signals)
-        return _gain_through(drive.products, gains, constants)
+        through = _gain_through(drive.products, gains, constants)
+        return None if through is None else tuple(map(_with_leading_factor, through))
 
     def moved_by(self, names: Collection[str]) -> Iterator[Line]:
         """Yield the lines that depend in the same period on some signals, in order.
@@ -507,6 +519,13 @@ def _gain_through(
             return None
         gain += gain_here
     return tuple(gain)
+
+
+def _with_leading_factor(product: Product) -> Product:
+    """Return a product whose first factor multiplies: in a program only later ones divide."""
+    if product.factors and not product.factors[0].divides:
+        return product
+    return Product((Factor(1.0), *product.factors), product.negative)
 
 
 def _times(first: Products, second: Products, constants: Collection[str]) -> Products | None:

@@ -21,7 +21,6 @@ from fuzzyarm.base.units import Unit, product, read_unit, unit_text
 from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.on_plant import Site, site_of
-from fuzzyarm.control.controllers.reach import combine, largest, overlap, symmetric
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import Drive
 from fuzzyarm.plant.plant import Plant
@@ -39,6 +38,7 @@ from fuzzyarm.proof.map.laws import (
 )
 from fuzzyarm.proof.map.walk import AxisLines, LineWalk, WalkQuestion, source_name
 from fuzzyarm.proof.stop import Stop
+from fuzzyarm.symbolic.intervals import combine, largest, overlap, symmetric
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 
 # ── results ──────────────────────────────────────────────────────────────────────────

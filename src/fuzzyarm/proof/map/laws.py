@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.control.controllers.reach import combine, largest, overlap, symmetric
 from fuzzyarm.symbolic.evaluation import derivative, evaluate
+from fuzzyarm.symbolic.intervals import combine, largest, overlap, symmetric
 from fuzzyarm.symbolic.nodes import Apply, Node, fold, postorder
 from fuzzyarm.symbolic.operations import OPERATIONS, Interval
 from fuzzyarm.table import LookupTable

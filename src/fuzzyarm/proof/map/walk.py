@@ -18,15 +18,7 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.on_plant import Site
 from fuzzyarm.control.controllers.period import Algebra, Call, ControlPeriod, Lesson, Update
-from fuzzyarm.control.controllers.reach import (
-    Reach,
-    combine,
-    hull,
-    largest,
-    overlap,
-    reaches_of,
-    symmetric,
-)
+from fuzzyarm.control.controllers.reach import Reach, reaches_of
 from fuzzyarm.control.controllers.text import ControllerText, input_names
 from fuzzyarm.inference.infer import infer, with_nan_for_no_rule
 from fuzzyarm.language.model.controller import AxisSignal, Drive, SignalLine, Source, Zoom
@@ -55,6 +47,7 @@ from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import Sector, Slopes, sector, slopes_at
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import specialise
+from fuzzyarm.symbolic.intervals import combine, hull, largest, overlap, symmetric
 from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 from fuzzyarm.symbolic.sources import CHOICE, Chosen, Setting
