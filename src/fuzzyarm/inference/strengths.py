@@ -137,8 +137,8 @@ def firing_strengths(
     """
     import numpy as np
 
-    outputs = tuple(replace(output, no_rule=float("nan")) for output in rulebase.outputs)
-    unstated = replace(rulebase, outputs=outputs)
+    without_value = tuple(replace(output, no_rule=float("nan")) for output in rulebase.outputs)
+    unstated = replace(rulebase, outputs=without_value)
     arrays, shape = arrays_of(rulebase, inputs)
     found = compiled(unstated).evaluate(arrays)
     outputs = {name: np.broadcast_to(np.asarray(column), shape) for name, column in found.items()}
