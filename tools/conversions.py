@@ -24,7 +24,7 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.exchange.formats import parse, read, write
 from fuzzyarm.inference.apart import apart
-from fuzzyarm.inference.infer import infer, silent
+from fuzzyarm.inference.infer import infer, with_nan_for_no_rule
 from fuzzyarm.language.model.rulebase import RuleBase
 
 ROUNDING = 1e-9
@@ -99,7 +99,7 @@ def on_grid(before: RuleBase, after: RuleBase, points: int) -> tuple[list[float]
         values = []
         for model in (before, after):
             names = [variable.name for variable in model.inputs]
-            found = infer(silent(model), dict(zip(names, columns, strict=True)))
+            found = infer(with_nan_for_no_rule(model), dict(zip(names, columns, strict=True)))
             values.append([np.asarray(found[output.name]) for output in model.outputs])
         for number, (one, two) in enumerate(zip(*values, strict=True)):
             with np.errstate(invalid="ignore"):

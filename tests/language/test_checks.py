@@ -19,7 +19,7 @@ from fuzzyarm.exchange.files import check_text
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS, check
-from fuzzyarm.language.check.coverage import silent_point
+from fuzzyarm.language.check.coverage import uncovered_point
 from fuzzyarm.language.check.search import GapSearch, Need, VariableStretch
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.document import Document
@@ -385,7 +385,7 @@ def test_a_point_without_a_rule_is_one(rulebase):
         asked = {p.variable for rule in rules for p in propositions(rule.antecedent)}
         if not rules or not asked <= {v.name for v in stated.inputs}:
             continue
-        point = silent_point(output, subject)
+        point = uncovered_point(output, subject)
         if point is None:
             continue
         alone = replace(

@@ -33,7 +33,7 @@ from fuzzyarm.control.controllers.reach import (
     reaches_of,
 )
 from fuzzyarm.control.controllers.text import ControllerText, ports_of
-from fuzzyarm.language.check.coverage import silent_point
+from fuzzyarm.language.check.coverage import uncovered_point
 from fuzzyarm.language.check.search import GaveUpError
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.document import Document
@@ -343,7 +343,7 @@ def _not_a_number(
         if output.no_rule == "hold" or not math.isnan(_value_for_no_rule(output)):
             continue
         try:
-            at = silent_point(output, Subject(rulebase, Document(())))
+            at = uncovered_point(output, Subject(rulebase, Document(())))
         except GaveUpError:  # reported by the check of the rule base
             continue
         if at is None:

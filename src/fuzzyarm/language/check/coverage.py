@@ -185,7 +185,7 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``no-rule-fires`` for each output with a point of the inputs where no rule fires."""
     for output in subject.rulebase.outputs:
         try:
-            evidence = silent_point(output, subject)
+            evidence = uncovered_point(output, subject)
         except GaveUpError:
             yield _undecided(f"a rule for '{output.name}' fires at every input", output)
             continue
@@ -203,7 +203,7 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
         )
 
 
-def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
+def uncovered_point(output: Output, subject: Subject) -> dict[str, float] | None:
     """Return a point of the inputs at which no rule for `output` fires; None without one.
 
     The corners of the terms and the midpoints between them represent the intervals of an input.
