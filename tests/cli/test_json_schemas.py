@@ -163,7 +163,7 @@ CALLS = {
         ["prove", SERVO, *ON_MOTOR, "--from", BOX.removeprefix("from "), "--for", "3ms"]
     ],
     "prove-map": [
-        ["prove", SERVO, *ON_MOTOR, "--map", "--over", "position in 0.3 .. 0.5, velocity in 0 .. 2"]
+        ["prove", "whole.frb", *ON_MOTOR, "--map", "--over", "position in 0 .. 0.1", "--budget", "1"]
     ],
     "compile": [
         ["compile", PD7, "-o", "a.lut"],
@@ -215,7 +215,10 @@ CALLS = {
         ["tune", PD7, "--data", "pairs.csv", "--evals", "3", "--no-linear"],
     ],
     "learn": [["learn", "--segment", "0.1", "--hold", "0.05", "--every", "100", "-o", "l.lut"]],
-    "fit": [["fit", "samples.csv", "-o", "f.frb"], ["fit", "flowers.csv", "-o", "g.frb"]],
+    "fit": [
+        ["fit", "samples.csv", "-o", "f.frb", "--move", "no"],
+        ["fit", "flowers.csv", "-o", "g.frb", "--terms", "2", "--shrink", "0.01"],
+    ],
     "validate": [["validate", "f.frb", "samples.csv"], ["validate", "g.frb", "flowers.csv"]],
     "validate-log": [
         [

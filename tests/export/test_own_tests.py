@@ -79,8 +79,7 @@ REFUSED = {".scl": ["functions.frb"]}
 
 
 @pytest.mark.slow(seconds=20)  # what is tried for one language is known to the others
-def test_the_tests_of_all_files_pass(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("fuzzyarm.exchange.export.controllers.PERIODS", cases(60, 200))
+def test_the_tests_of_all_files_pass(tmp_path, capsys):
     for suffix in LANGUAGES:
         written, others = exported(tmp_path, suffix, capsys)
         assert without_partners(others) == REFUSED.get(suffix, []), suffix
