@@ -219,10 +219,10 @@ EXPORT = (
     + """
 from fuzzyarm.apps.designer.exports import files_of
 from fuzzyarm.apps.lsp.session import Session
-from fuzzyarm.exchange.export import controllers, export_files, routines_of
+from fuzzyarm.exchange.export import controllers, export_files, routines_of, rulebase
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.base.shipped_files import shipped
-controllers.PERIODS = 20
+controllers.PERIODS, rulebase._DENSE_POINTS = 20, 4_000
 rules = load_rulebase(shipped("tipper.frb"))
 files = [*export_files(routines_of(rules), "tipper.c").files]
 path = shipped("servo.frb")
