@@ -163,7 +163,7 @@ CALLS = {
         ["prove", SERVO, *ON_MOTOR, "--from", BOX.removeprefix("from "), "--for", "3ms"]
     ],
     "prove-map": [
-        ["prove", "whole.frb", *ON_MOTOR, "--map", "--over", "position in 0 .. 0.1", "--budget", "1"]
+        ["prove", "whole.frb", *ON_MOTOR, "--map", "--over", "position in 0 .. 1", "--budget", "1"]
     ],
     "compile": [
         ["compile", PD7, "-o", "a.lut"],

@@ -135,7 +135,7 @@ Last those that need tools: where there are none, the others have been looked at
 
 @pytest.fixture(scope="module")
 def tried_once() -> Iterator[None]:
-    """Try a controller once for all languages, and briefly: its sequence depends on none of them."""
+    """Try a controller once, and briefly, for all languages: its sequence depends on none."""
     known: dict[tuple[object, ...], Tried] = {}
     tried = ControllerProgram.tried.func
 

@@ -85,7 +85,7 @@ def differs(run: Run, text: str, right: list[list[float]]) -> bool:
     within = 1e-9 * np.nanmax(np.abs(right))
     try:
         return any(
-            not (abs(a - b) <= within or (a != a and b != b))
+            not (a == b or abs(a - b) <= within or (np.isnan(a) and np.isnan(b)))
             for row, others in zip(run(text), right, strict=True)
             for a, b in zip(row, others, strict=True)
         )
