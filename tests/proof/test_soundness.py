@@ -35,7 +35,7 @@ from fuzzyarm.proof.map.position_bounds import (
     halving_bounds,
     nearest_half_bounds,
 )
-from fuzzyarm.proof.map.prover import QuotientProblem
+from fuzzyarm.proof.map.search import QuotientProblem
 from fuzzyarm.proof.map.straight import NotStraightError, straight
 from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop
@@ -124,7 +124,7 @@ def of_another(prover: Prover) -> QuotientProblem:
 
 def of_a_table(prover: Prover) -> QuotientProblem:
     table = fuzzyarm.compile_table(prover.rulebase, levels=6)
-    return prover._table_question(table, "linear", prover.box({}))
+    return prover._table_problem(table, "linear", prover.box({}))
 
 
 QUOTIENTS: dict[str, Callable[[Prover], QuotientProblem]] = {

@@ -37,7 +37,8 @@ from fuzzyarm.proof.loop.plane_grid import HALVINGS, PlaneGrid, cells_of
 from fuzzyarm.proof.map.arithmetic import FLOATS
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.map.bounds import WIDENED, UnprovableError
-from fuzzyarm.proof.map.prover import Prover, QuotientProblem, point_text
+from fuzzyarm.proof.map.prover import Prover, point_text
+from fuzzyarm.proof.map.search import QuotientProblem
 from fuzzyarm.proof.map.surface import Surface
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable

@@ -1,14 +1,13 @@
 """Bounds of one output that hold at every point: value, slope, error of a table, coverage.
 
-Floats come first: they decide nearly everything, with a margin for their rounding. Cells that they
-leave open (an attained bound, a slope of exactly 0) are cut again in rationals. A rule base that is
-not piecewise linear is bounded over boxes (:mod:`fuzzyarm.proof.map.boxes`): always sound, mostly
+Each statement is a quotient of polynomials (:mod:`.surface`), whose bounds :mod:`.search` finds. A
+rule base that is not piecewise linear is bounded over boxes (:mod:`.boxes`): always sound, mostly
 wider.
 
-To add a property: a quotient of polynomials in :mod:`.surface`, its question here, a verb of
+To add a property: a quotient of polynomials in :mod:`.surface`, its problem here, a verb of
 ``ProveNode`` in :mod:`fuzzyarm.language.statements` (its demands on ranges in
-:mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand besides: the kinds
-of ``Property`` in :mod:`fuzzyarm.language.model.rulebase`, its quotient in ``QUOTIENTS`` of
+:mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand besides: the kinds of
+``Property`` in :mod:`fuzzyarm.language.model.rulebase`, its quotient in ``QUOTIENTS`` of
 ``tests/proof/test_soundness.py`` (its rounding against rationals), the statement in
 ``tests/fuzz/attacked_proofs.py``, ``docs/reference/metrics.md``; then ``tools/make_schemas.py``.
 New features of rule bases are refused by name in :mod:`.straight` and :mod:`.boxes` until
@@ -19,9 +18,8 @@ proofs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from types import MappingProxyType
@@ -31,63 +29,22 @@ import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.plan import plan
-from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.proof.map.arithmetic import (
-    FLOATS,
-    Arithmetic,
-    Array,
-    as_fraction,
-    nearest_float,
-    rationals,
-)
-from fuzzyarm.proof.map.bernstein import SMALLEST, Extremum, Quotients, maximise
-from fuzzyarm.proof.map.bounds import (
-    GAP,
-    WIDENED,
-    Bounds,
-    Claim,
-    Missing,
-    NothingFiresError,
-    Point,
-    UnprovableError,
-)
-from fuzzyarm.proof.map.pieces import Cut, TooManyPiecesError, cut
-from fuzzyarm.proof.map.straight import NotStraightError, Straight, straight, with_fixed
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map.arithmetic import FLOATS, as_fraction, rationals
+from fuzzyarm.proof.map.bernstein import Quotients
+from fuzzyarm.proof.map.bounds import Bounds, Claim, Missing, NothingFiresError, UnprovableError
+from fuzzyarm.proof.map.pieces import Cut, cut
+from fuzzyarm.proof.map.search import Box, QuotientProblem, QuotientSearch
+from fuzzyarm.proof.map.straight import NotStraightError, straight, with_fixed
 from fuzzyarm.proof.map.surface import Surface, TableValues
-from fuzzyarm.proof.stop import Stop, TimeOverError
+from fuzzyarm.proof.stop import Stop
 
 if TYPE_CHECKING:
     from fuzzyarm.proof.map.boxes import Boxes
     from fuzzyarm.table import LookupTable
 
-WIDEST = 1e100
-"""A tolerance that any bounds meet: no range has a larger end."""
 
-Make = Callable[[Surface], Quotients]
-
-Box = tuple[tuple[Fraction, Fraction], ...]
-"""An interval of each input."""
-
-
-@dataclass(frozen=True)
-class QuotientProblem:
-    """A quotient over a box, and the cuts of the inputs that it needs.
-
-    `steep`: for slopes, which floats cannot compute where they cannot order two heights.
-    `steps`: as in :class:`Cut`.
-    """
-
-    box: Box
-    make: Make
-    positions: tuple[Any, ...] = ()
-    mirrored: bool = False
-    steep: bool = False
-    form: tuple[Fraction, ...] = ()
-    other: Straight | None = None
-    steps: bool = False
-
-
-class Prover:
+class Prover(QuotientSearch):
     """Proves statements about one output of a rule base, with a cache of cut pieces.
 
     Parameters
@@ -110,10 +67,6 @@ class Prover:
     ----------
     reason : str
         Why boxes are used; empty for exact pieces.
-    inputs : tuple of Variable
-        Inputs that are not fixed.
-    fixed : dict of str to Fraction
-        Inputs with one value, see :meth:`with_fixed`.
     """
 
     def __init__(
@@ -126,22 +79,9 @@ class Prover:
         exact: bool = False,
         sampled: bool = False,
     ) -> None:
-        self.rulebase = rulebase
-        self.output: Output = rulebase.output(output)
-        self.stop = stop or Stop()
-        self.exact = exact
-        low, high = self.output.low, self.output.high
-        self.range = high - low if math.isfinite(high - low) else 1.0
-        self.tolerance = tolerance
-        # Finite, so that multiples of it are numbers.
-        self.gap = min(tolerance, WIDEST) if tolerance is not None else GAP * self.range
-        self.inputs = rulebase.inputs
-        self.names = tuple(variable.name for variable in self.inputs)
-        self.fixed: dict[str, Fraction] = {}
-        self._surfaces: dict[tuple[Any, ...], Surface] = {}
+        super().__init__(rulebase, output, tolerance=tolerance, stop=stop, exact=exact)
         self._any_boxes: Boxes | None = None
         self.reason = ""
-        self.model: Straight | None = None
         try:
             self.model = straight(rulebase, output, sampled=sampled)
         except NotStraightError as error:
@@ -201,12 +141,7 @@ class Prover:
         prover._surfaces = {}
         return prover
 
-    @property
-    def pieces_cut(self) -> int:
-        """Number of pieces in the largest cut so far."""
-        return max((surface.pieces.count for surface in self._surfaces.values()), default=0)
-
-    # ── questions ────────────────────────────────────────────────────────────────────
+    # ── statements ────────────────────────────────────────────────────────────────────
 
     def value(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
         """Return bounds of the output over a region, ``no-rule`` values included."""
@@ -239,22 +174,17 @@ class Prover:
 
     def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
         """Return bounds of the slope along an input, wherever the output has one."""
-        self.demand_pieces("slopes")
-        axis = self.names.index(name)
-        question = QuotientProblem(
-            self.box(region), lambda surface: surface.slope(axis), steep=True
-        )
-        self._demand_no_jumps(question, axis)
-        return self.bounds_of(question)
+        problem = self._slope_problem(region, name)
+        return self.bounds_of(problem)
 
     def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
         """Return bounds of the gradient's norm: the upper one is a Lipschitz constant."""
         self.demand_pieces("slopes")
-        question = QuotientProblem(self.box(region), Surface.gradient_squared, steep=True)
+        problem = QuotientProblem(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
-            self._demand_no_jumps(question, axis)
+            self._demand_no_jumps(problem, axis)
         # Squares: a gap g of the norm ℓ is a gap 2 ℓ g of ℓ².
-        bounds = self.bounds_of(question, both=False, share=2.0 * self.range)
+        bounds = self.bounds_of(problem, both=False, share=2.0 * self.range)
         low, high = 0.0, math.nextafter(math.sqrt(bounds.high), math.inf)
         return bounds._replace(
             low=low, high=high, reached_low=low, reached_high=math.sqrt(bounds.reached_high)
@@ -278,7 +208,7 @@ class Prover:
             return self._boxes(box).table(table, mode, self.gap)
         self._demand_value_everywhere("the error of a table", region)
         self.demand_inside_range("the error of a table", box)
-        return self.bounds_of(self._table_question(table, mode, box))
+        return self.bounds_of(self._table_problem(table, mode, box))
 
     def demand_bounds(self) -> None:
         """Refuse a rule base without provable bounds, before any long work."""
@@ -293,9 +223,9 @@ class Prover:
         bound: float,
     ) -> Claim:
         """Return whether a table's error in a region is at most `bound`."""
-        question = self._table_question(self._fitting(table), mode, self.box(region))
-        above = self.at_most(question, Fraction(bound), negated=False)
-        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+        problem = self._table_problem(self._fitting(table), mode, self.box(region))
+        above = self.at_most(problem, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(problem, Fraction(bound), negated=True)
 
     def boxes_at_most(
         self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool
@@ -330,22 +260,17 @@ class Prover:
         negated: bool,
     ) -> Claim:
         """Return whether the slope (or minus the slope) is at most `bound`."""
-        self.demand_pieces("slopes")
-        axis = self.names.index(name)
-        question = QuotientProblem(
-            self.box(region), lambda surface: surface.slope(axis), steep=True
-        )
-        self._demand_no_jumps(question, axis)
-        return self.at_most(question, bound, negated=negated)
+        problem = self._slope_problem(region, name)
+        return self.at_most(problem, bound, negated=negated)
 
     def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
         """Return whether ``|u(x) + u(−x)|`` is at most `bound` everywhere."""
         self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
         self.demand_inside_range("symmetry", self.box({}))
-        question = QuotientProblem(self.box(region), Surface.odd, mirrored=True)
-        above = self.at_most(question, Fraction(bound), negated=False)
-        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+        problem = QuotientProblem(self.box(region), Surface.odd, mirrored=True)
+        above = self.at_most(problem, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(problem, Fraction(bound), negated=True)
 
     def apart(self, other: Prover) -> Bounds:
         """Return bounds of this output minus another rule base's over the same inputs.
@@ -396,14 +321,14 @@ class Prover:
         box = self.box(region)
         if self.model is None:
             return self._boxes(box).point_without_rule(valued=valued)
-        question = QuotientProblem(box, Surface.value)
-        surface = self.surface(question, rationals() if self.exact else FLOATS)
+        problem = QuotientProblem(box, Surface.value)
+        surface = self.surface(problem, rationals() if self.exact else FLOATS)
         if not self.exact:
             doubtful_cells = surface.nearly_without_rule(valued=valued)
             if not doubtful_cells.size:
                 return None
             cells = np.unique(surface.pieces.flat_cells[doubtful_cells])
-            surface = self.surface(question, rationals(), cells)
+            surface = self.surface(problem, rationals(), cells)
         corner = surface.point_without_rule(valued=valued)
         return None if corner is None else self.named(surface.pieces.position(*corner))
 
@@ -475,206 +400,18 @@ class Prover:
             "it has no value there"
         )
 
-    # ── the search ───────────────────────────────────────────────────────────────────
+    # ── quotients and boxes ──────────────────────────────────────────────────────────
 
-    def bounds_of(
-        self,
-        question: QuotientProblem,
-        *,
-        shifted: bool = False,
-        both: bool = True,
-        share: float = 1.0,
-    ) -> Bounds:
-        """Return both bounds of a quotient, to the tolerance; in rationals where floats fail."""
-        arithmetic = rationals() if self.exact else FLOATS
-        surface = self.surface(question, arithmetic)
-        gap = arithmetic.number(Fraction(self.gap * share))
-        quotients = question.make(surface)
-        shift = surface.centre if shifted else arithmetic.number(Fraction(0))
-        doubtful = self._doubtful(question, surface)
-        searched = {
-            sign: maximise(
-                (quotients if sign == 1 else quotients.negated()).without(doubtful), gap, self.stop
-            )
-            for sign in ((-1, 1) if both else (1,))
-        }
-        owners = [search.left.owner for search in searched.values()]
-        undecided = np.concatenate([*owners, np.flatnonzero(doubtful)])
-        if any(search.reached is None for search in searched.values()):
-            if self.exact or not undecided.size:
-                raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
-            rational = self.in_rationals()
-            return rational.bounds_of(question, shifted=shifted, both=both, share=share)
-        # Cells that floats leave open are cut once in rationals, for both bounds.
-        exact = (
-            self._in_rationals(question, surface, undecided)
-            if undecided.size and not self.exact
-            else None
-        )
-        pieces, complete, ends = 0, True, []
-        for sign, search in searched.items():
-            pieces = max(pieces, search.pieces)
-            reached, bound = search.reached, search.bound
-            at: dict[str, Fraction] = {}
-            if search.corner is not None:
-                at = self.named(surface.pieces.position(search.owner, search.corner))
-            if exact is not None and (search.left.count or doubtful.any()):
-                again = self._search_in_rationals(exact, sign, reached)
-                bound = max(nearest_float(reached) + float(gap), nearest_float(again.bound))
-                if again.corner is not None:
-                    coordinates = exact[0].pieces.position(again.owner, again.corner)
-                    reached, at = again.reached, self.named(coordinates)
-                pieces += again.pieces
-            elif exact is None and doubtful.any():
-                bound = math.inf
-            complete &= nearest_float(bound) <= nearest_float(reached) + 2.0 * float(gap)
-            ends.append((sign, reached, bound, at))
-        return self._as_bounds(ends, shift, pieces, complete=complete)
+    def _slope_problem(
+        self, region: Mapping[str, tuple[float, float]], name: str
+    ) -> QuotientProblem:
+        self.demand_pieces("slopes")
+        axis = self.names.index(name)
+        problem = QuotientProblem(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        self._demand_no_jumps(problem, axis)
+        return problem
 
-    def without_memory(self) -> Prover:
-        """Return the same prover with its own pieces, freed together with it."""
-        prover = copy(self)
-        prover._surfaces = {}
-        return prover
-
-    def in_rationals(self) -> Prover:
-        """Return the same prover without floats, for strengths too small for them."""
-        prover = self.without_memory()
-        prover.exact = True
-        return prover
-
-    def _in_rationals(
-        self, question: QuotientProblem, surface: Surface, left: Array
-    ) -> tuple[Surface, Quotients] | None:
-        """Return in rationals the cells that floats have left open; None if time is over."""
-        if self.stop.now:
-            return None
-        try:
-            exact = self.surface(question, rationals(), np.unique(surface.pieces.flat_cells[left]))
-            return exact, question.make(exact)
-        except TimeOverError:
-            return None  # the bounds from floats hold
-
-    def _search_in_rationals(
-        self, exact: tuple[Surface, Quotients], sign: int, least: Any
-    ) -> Extremum:
-        number, quotients = rationals().number, exact[1]
-        oriented = quotients if sign == 1 else quotients.negated()
-        floor = number(Fraction(float(least)))
-        return maximise(oriented, number(Fraction(self.gap)), self.stop, least=floor)
-
-    def at_most(
-        self,
-        question: QuotientProblem,
-        bound: Fraction,
-        *,
-        negated: bool,
-        strict: bool = False,
-        shifted: bool = False,
-    ) -> Claim:
-        """Return whether a quotient (or minus the quotient) is at most a bound everywhere."""
-        count = 0
-        cells: Array | None = None
-        for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
-            try:
-                surface = self.surface(question, arithmetic, cells)
-                quotients = question.make(surface)
-            except TimeOverError:
-                break
-            centre = as_fraction(surface.centre) if shifted else Fraction(0)
-            limit = bound + centre if negated else bound - centre
-            doubtful = self._doubtful(question, surface)
-            oriented = (quotients.negated() if negated else quotients).without(doubtful)
-            margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
-            least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
-            start = arithmetic.number(limit)
-            # Floats discard simplices clearly below the bound. They never decide those near it,
-            # which go to rationals after a few halvings.
-            smallest = SMALLEST if arithmetic.exact else 1 / 16
-            extremum = maximise(
-                oriented, start - start, self.stop,
-                least=start, decide=arithmetic.exact, smallest=smallest,
-            )  # fmt: skip
-            count += extremum.pieces
-            fails = extremum.owner >= 0 and extremum.reached > least
-            if arithmetic.exact and strict and not fails:
-                touching = oriented.touches(start)
-                if touching is not None:
-                    at = self.named(surface.pieces.position(*touching))
-                    return Claim(False, at, count, True)
-            if fails:
-                corner = extremum.corner
-                assert corner is not None
-                if question.steep:  # a slope has two sides: move inside the piece
-                    inside = surface.pieces.corners[extremum.owner].sum(axis=0) / (corner.size + 1)
-                    corner = corner + (inside - corner) / 2**14
-                at = self.named(surface.pieces.position(extremum.owner, corner))
-                return Claim(False, at, count, arithmetic.exact)
-            undecided = np.concatenate([extremum.left.owner, np.flatnonzero(doubtful)])
-            if not undecided.size and extremum.owner < 0:
-                return Claim(True, {}, count, arithmetic.exact)
-            if self.stop.now or arithmetic.exact:
-                break
-            owners = undecided
-            if extremum.owner >= 0:  # above the bound by less than the error of floats
-                above = oriented.excess(start, self.stop) > 0
-                owners = np.concatenate([owners, oriented.owner[above]])
-            cells = np.unique(surface.pieces.flat_cells[owners])
-        return Claim(None, {}, count, False)
-
-    @staticmethod
-    def _doubtful(question: QuotientProblem, surface: Surface) -> Array:
-        doubtful = surface.pieces.doubtful
-        return doubtful if question.steep else np.zeros_like(doubtful)
-
-    def _as_bounds(
-        self, ends: list[tuple[int, Any, Any, dict[str, Fraction]]], shift: Any, pieces: int, *,
-        complete: bool,
-    ) -> Bounds:  # fmt: skip
-        bounds: dict[int, tuple[float, float, Point]] = {}
-        for sign, reached, bound, at in ends:
-            if self.exact:
-                outer = sign * math.inf  # time ran out before any bound
-                if math.isfinite(nearest_float(bound)):
-                    outer = _outward(as_fraction(bound) * sign + as_fraction(shift), sign)
-                inner = nearest_float(as_fraction(reached) * sign + as_fraction(shift))
-            else:
-                outer = nearest_float(bound) * sign + float(shift)
-                outer += sign * WIDENED * max(self.range, abs(outer))
-                inner = nearest_float(reached) * sign + float(shift)
-            bounds[sign] = outer, inner, {name: float(x) for name, x in at.items()}
-        low, reached_low, at_low = bounds.get(-1, (-math.inf, math.nan, {}))
-        most, reached_high, at_high = bounds[1]
-        way = "exact" if self.exact else "widened"
-        return Bounds(low, most, reached_low, reached_high, at_low, at_high, pieces, way, complete)
-
-    # ── cached surfaces ──────────────────────────────────────────────────────────────
-
-    def surface(
-        self, question: QuotientProblem, arithmetic: Arithmetic, cells: Array | None = None
-    ) -> Surface:
-        """Return the pieces for a question; whole cuts are cached."""
-        assert self.model is not None
-        positions = tuple(tuple(position) for position in question.positions)
-        # The other rule base belongs to the question only: its pieces are not cached.
-        remembers = cells is None and question.other is None
-        steps = question.steps
-        key = (question.box, positions, question.mirrored, question.form, steps, arithmetic.exact)
-        if remembers and key in self._surfaces:
-            surface = self._surfaces[key]
-            surface.pieces.stop = self.stop
-            return surface
-        what = Cut(question.box, positions, question.mirrored, question.form, question.other, steps)
-        try:
-            pieces = cut(self.model, what, arithmetic, cells, self.stop)
-            new_surface = Surface(self.model, pieces)
-        except TooManyPiecesError as error:
-            raise UnprovableError(str(error)) from None
-        if remembers:
-            self._surfaces[key] = new_surface
-        return new_surface
-
-    def _table_question(self, table: LookupTable, mode: str, box: Box) -> QuotientProblem:
+    def _table_problem(self, table: LookupTable, mode: str, box: Box) -> QuotientProblem:
         names = self.names
 
         def make(surface: Surface) -> Quotients:
@@ -718,11 +455,6 @@ class Prover:
             return None
         return as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
 
-    def named(self, position: list[Fraction]) -> dict[str, Fraction]:
-        """Return inputs by name, fixed ones included, in the order of the rule base."""
-        values = {**self.fixed, **dict(zip(self.names, position, strict=True))}
-        return {variable.name: values[variable.name] for variable in self.rulebase.inputs}
-
     # ── refusals ─────────────────────────────────────────────────────────────────────────
 
     def demand_pieces(self, kind: str) -> None:
@@ -730,19 +462,18 @@ class Prover:
         if self.model is None:
             raise UnprovableError(f"proofs of {kind} need straight pieces: {self.reason}")
 
-    def _demand_no_jumps(self, question: QuotientProblem, axis: int) -> None:
-        surface = self.surface(question, rationals() if self.exact else FLOATS)
+    def _demand_no_jumps(self, problem: QuotientProblem, axis: int) -> None:
+        surface = self.surface(problem, rationals() if self.exact else FLOATS)
         if surface.pieces.grid.jumps[axis]:
             raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
-        low, high = question.box[axis]
+        low, high = problem.box[axis]
         region = {
-            name: (float(a), float(b))
-            for name, (a, b) in zip(self.names, question.box, strict=True)
+            name: (float(a), float(b)) for name, (a, b) in zip(self.names, problem.box, strict=True)
         }
         at = self.without_value(region) if low < high else None
         if at is not None:
             raise UnprovableError(f"slopes: no rule fires at {point_text(at)}")
-        self.demand_inside_range("slopes", question.box)
+        self.demand_inside_range("slopes", problem.box)
 
     def _demand_value_everywhere(
         self, statement: str, region: Mapping[str, tuple[float, float]] = MappingProxyType({})
@@ -793,14 +524,6 @@ def _including(bounds: Bounds, value: float, at: dict[str, Fraction]) -> Bounds:
     if value > bounds.reached_high:
         bounds = bounds._replace(high=max(value, bounds.high), reached_high=value, at_high=point)
     return bounds
-
-
-def _outward(number: Fraction, sign: int) -> float:
-    """Return the nearest float on the outer side."""
-    value = float(number)
-    if sign * (Fraction(value) - number) < 0:
-        value = math.nextafter(value, sign * math.inf)
-    return value
 
 
 def point_text(at: Mapping[str, Any]) -> str:

@@ -28,7 +28,8 @@ from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients, vertices_of
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Point, UnprovableError
 from fuzzyarm.proof.map.pieces import Cut, PieceGrid, cut
-from fuzzyarm.proof.map.prover import Prover, QuotientProblem, point_text
+from fuzzyarm.proof.map.prover import Prover, point_text
+from fuzzyarm.proof.map.search import QuotientProblem
 from fuzzyarm.proof.map.surface import Surface
 
 ZERO = Fraction(0)
@@ -189,10 +190,10 @@ def _has_point_without_rule(prover: Prover, region: Mapping[str, tuple[float, fl
     return True
 
 
-def _slack(prover: Prover, question: QuotientProblem) -> Fraction:
+def _slack(prover: Prover, problem: QuotientProblem) -> Fraction:
     """Return the allowed excess of the output; refuse one that is not 0 at the zeros of σ."""
-    surface = prover.surface(question, rationals())
-    quotients = question.make(surface)
+    surface = prover.surface(problem, rationals())
+    quotients = problem.make(surface)
     dimension = surface.pieces.corners.shape[2]
     slack = Fraction(0)
     for vertex, position in enumerate(vertices_of(dimension, quotients.degree)):

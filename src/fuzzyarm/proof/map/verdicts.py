@@ -13,28 +13,27 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import number_text, outward_text
+from fuzzyarm.base.numbers import outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.model.rulebase import AnyRuleBase, Property, RuleBase, model_of
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Claim
-from fuzzyarm.proof.map.prover import Prover, point_text
+from fuzzyarm.proof.map.evidence import Evidence
+from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.stop import Stop, TimeOverError
 
 if TYPE_CHECKING:
-    from fuzzyarm.inference.trace import Trace
     from fuzzyarm.language.statements import ProveNode
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
-
-_IN_EXACT_ARITHMETIC = "in exact arithmetic, by less than the rounding of inference"
 
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
@@ -265,8 +264,6 @@ class _Case:
         self.provers = provers
         watch = None if tell is None else (lambda count, gap: tell(self.text, count, gap))
         self.stop = Stop(budget, watch)
-        self.failing: list[dict[str, float]] = []
-        self.remark = ""
 
     @property
     def prover(self) -> Prover:
@@ -279,6 +276,11 @@ class _Case:
             self.provers[self.claim.output] = prover
         prover.stop = self.stop
         return prover
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """Points at which the statement fails."""
+        return Evidence(self.prover, self.claim)
 
     def verdict(self) -> Verdict:
         judge = {
@@ -294,9 +296,9 @@ class _Case:
         try:
             return judge()
         except FuzzyarmError as error:  # no time left, unprovable, not a table
-            return self._said(UNDECIDED, reason=str(error))
+            return self._result(UNDECIDED, reason=str(error))
 
-    def _said(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:
+    def _result(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:
         if bounds is not None:
             facts.setdefault("bound", (bounds.low, bounds.high))
             facts.setdefault("pieces", bounds.pieces)
@@ -307,7 +309,7 @@ class _Case:
         elif facts.get("way") == "boxes" and not facts.get("reason"):
             facts["reason"] = self._because_of_boxes("by boxes: ", "")
         if verdict == REFUTED:
-            facts["points"] = tuple(self.failing)
+            facts["points"] = tuple(self.evidence.failing)
         seconds = time.monotonic() - self.started
         line, output = max(0, self.claim.span.line), self.claim.output
         return Verdict(
@@ -332,24 +334,24 @@ class _Case:
                 if math.isfinite(limit)
             )
             if evidence is not None:
-                return self._said(REFUTED, evidence=evidence, way="boxes")
-        silence_open = ""
+                return self._result(REFUTED, evidence=evidence, way="boxes")
+        open_reason = ""
         try:
             no_rule = self._without_value()
         except FuzzyarmError as error:  # the bounds may still refute it
-            no_rule, silence_open = None, str(error)
+            no_rule, open_reason = None, str(error)
         if no_rule is not None:
             return no_rule
         bounds = self.prover.value(self.region)
         for sign, limit in sides:
             result, bounds = self._side(bounds, sign, limit, strict=strict)
             if result == UNDECIDED:
-                return self._said(UNDECIDED, bounds)
+                return self._result(UNDECIDED, bounds)
             if isinstance(result, tuple):
-                return self._said(REFUTED, bounds, evidence=result, reason=self.remark)
-        if silence_open:
-            return self._said(UNDECIDED, bounds, reason=silence_open)
-        return self._said(PROVED, bounds)
+                return self._result(REFUTED, bounds, evidence=result, reason=self.evidence.remark)
+        if open_reason:
+            return self._result(UNDECIDED, bounds, reason=open_reason)
+        return self._result(PROVED, bounds)
 
     def _at_corners(self, conditions: Iterable[_Beyond]) -> tuple[str, ...] | None:
         """Return the first corner of the region, or middle of its sides, at which it fails."""
@@ -359,10 +361,10 @@ class _Case:
         levels = middles if 3 ** len(ends) <= MOST_CORNERS else ends
         for values in islice(product(*levels), MOST_CORNERS):
             at = dict(zip(self.prover.names, values, strict=True))
-            value = self._inferred(at)
+            value = self.evidence.inferred(at)
             for beyond in conditions:
-                if value is not None and self._clearly(beyond, value):
-                    return self._confirmed(at, beyond)
+                if value is not None and self.evidence.fails_clearly(beyond, value):
+                    return self.evidence.confirmed(at, beyond)
         return None
 
     def _side(
@@ -385,15 +387,15 @@ class _Case:
             # The bounds include the value for no rule, the pieces do not.
             without_rule = prover.without_value(self.region)
             if without_rule is not None:
-                return self._shown(without_rule, beyond), bounds
+                return self.evidence.shown(without_rule, beyond), bounds
         if at and sign * (reached - limit) > LIKE_EXPECT * prover.range:
-            confirmed = self._confirmed(at, beyond)
+            confirmed = self.evidence.confirmed(at, beyond)
             if confirmed is not None:
                 return confirmed, bounds
         if prover.output.outside == "clamp":  # no value lies outside its range
             nearest = prover.output.low if sign > 0 else prover.output.high
             if math.isfinite(nearest) and beyond(Fraction(nearest)):
-                return self._shown(at, beyond) if at else UNDECIDED, bounds
+                return self.evidence.shown(at, beyond) if at else UNDECIDED, bounds
         return self._decided(bounds, sign, limit, beyond)
 
     def _decided(
@@ -413,7 +415,7 @@ class _Case:
         value = prover.exactly(claim.at) if claim.at else None
         if value is None or not beyond(value):
             return UNDECIDED, bounds
-        return self._shown(claim.at, beyond), bounds
+        return self.evidence.shown(claim.at, beyond), bounds
 
     def _without_value(self) -> Verdict | None:
         """Refute a statement where the output has no value; leave it open where it holds one."""
@@ -423,119 +425,11 @@ class _Case:
         if missing is None:
             return None
         if missing.held:
-            return self._said(UNDECIDED, reason=missing.reason)
+            return self._result(UNDECIDED, reason=missing.reason)
         if missing.no_rule:
-            return self._said(REFUTED, reason=self._silence(missing.at))
-        self._note(missing.at)
-        return self._said(REFUTED, reason=missing.reason)
-
-    def _silence(self, at: Mapping[str, Any]) -> str:
-        """Report a point without a firing rule, and whether floats agree."""
-        from fuzzyarm.inference import compiled, explain
-
-        self._note(at)
-        text = f"no rule fires at {point_text(at)}"
-        outputs = tuple(replace(output, no_rule=math.nan) for output in self.rulebase.outputs)
-        unstated = replace(self.rulebase, outputs=outputs)
-        point = {name: float(x) for name, x in at.items()}
-        fires = self.claim.output not in compiled(unstated).outcome(point).without_value or (
-            self.claim.kind == "covered" and self._is_asserted(explain(unstated, point))
-        )
-        return f"{text}, {_IN_EXACT_ARITHMETIC}" if fires else text
-
-    def _is_asserted(self, trace: Trace) -> bool:
-        """Whether a rule fires for the output."""
-        outputs = {output.name: output for output in trace.outputs}
-        return bool(outputs[self.claim.output].consequents)
-
-    def _note(self, at: Mapping[str, Any]) -> None:
-        """Record a point of failure, for a refutation."""
-        self.failing.append({name: float(x) for name, x in at.items()})
-
-    # --- evidence: floats at a point found in exact arithmetic ---
-
-    def _inferred(self, at: Mapping[str, Any]) -> float | None:
-        """Return the output at a point by inference; None without a value."""
-        from fuzzyarm.inference import infer
-
-        point = {name: float(x) for name, x in at.items()}
-        try:
-            value = infer(self.rulebase, point)[self.claim.output]
-        except FuzzyarmError:
-            return None
-        return None if math.isnan(value) else value
-
-    def _confirmed(
-        self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
-    ) -> tuple[str, ...] | None:
-        """Return a point as evidence, if the statement fails there in exact arithmetic.
-
-        Preferred is the point with the fewest digits at which inference fails, too. Without exact
-        pieces inference alone decides, by more than the tolerance of an `expect` line.
-        """
-        for digits in (0, 1, 2, 3, 6, None):
-            near = self._rounded(at, digits)
-            value = self._inferred(near)
-            if value is None or not fails(Fraction(value)):
-                continue
-            if self.prover.model is None:
-                outcome = self.prover.no_rule
-                if value != outcome and not self._clearly(fails, value):
-                    continue
-            else:
-                exact = self.prover.exactly(near)
-                if exact is None or not fails(exact):
-                    continue
-            return (self._expect(near, value),)
-        return None
-
-    def _clearly(self, fails: Callable[[Fraction], bool], value: float) -> bool:
-        """Return whether a statement fails for all values within the tolerance of `expect`."""
-        slack = LIKE_EXPECT * self.prover.range
-        return fails(Fraction(value - slack)) and fails(Fraction(value + slack))
-
-    def _shown(
-        self, at: Mapping[str, float | Fraction], fails: Callable[[Fraction], bool]
-    ) -> tuple[str, ...]:
-        """Return a point of failure as evidence, or a sentence if inference hides it."""
-        near = {name: float(x) for name, x in at.items()}
-        confirmed = self._confirmed(near, fails)
-        if confirmed is not None:
-            return confirmed
-        self._note(at)
-        self.remark = f"it fails at {point_text(at)}, {_IN_EXACT_ARITHMETIC}"
-        return ()
-
-    def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:
-        """Return a point rounded to `digits` decimals, inside the box."""
-        ends = self.prover.box(self.region)
-        return {
-            name: x if digits is None else min(max(round(x, digits), float(low)), float(high))
-            for (name, x), (low, high) in zip(at.items(), ends, strict=True)
-        }
-
-    def _points(self, points: list[Mapping[str, Any]]) -> tuple[str, ...]:
-        """Return points as evidence, if inference has the values of exact arithmetic."""
-        pairs = []
-        for at in points:
-            near = {name: float(x) for name, x in at.items()}
-            value, exact = self._inferred(near), self.prover.exactly(near)
-            if value is None or exact is None:
-                return ()
-            if abs(Fraction(value) - exact) > Fraction(LIKE_EXPECT * self.prover.range):
-                return ()
-            pairs.append((near, value))
-        return tuple(self._expect(near, value) for near, value in pairs)
-
-    def _expect(self, at: Mapping[str, float], value: float) -> str:
-        from fuzzyarm.language.tokens import name_text
-
-        self._note(at)
-        inputs = ", ".join(f"{name_text(name)} = {number_text(x)}" for name, x in at.items())
-        rounded = float(f"{value:.12g}")
-        if abs(rounded - value) > 0.1 * LIKE_EXPECT * self.prover.range:
-            rounded = value
-        return f"expect {inputs} -> {name_text(self.claim.output)} = {number_text(rounded)}"
+            return self._result(REFUTED, reason=self.evidence.without_rule(missing.at))
+        self.evidence.note(missing.at)
+        return self._result(REFUTED, reason=missing.reason)
 
     # ── slopes ───────────────────────────────────────────────────────────────────────
 
@@ -546,61 +440,12 @@ class _Case:
         bound = prover.slope_at_most(self.region, claim.input, Fraction(0), negated=not falls)
         facts: dict[str, Any] = {"pieces": bound.pieces, "way": _way(bound)}
         if bound.holds:
-            return self._said(PROVED, **facts)
+            return self._result(PROVED, **facts)
         if bound.holds is False:
-            pair = self._pair_along(bound.at, -1 if falls else 1)
+            pair = self.evidence.falling_pair(bound.at, -1 if falls else 1)
             if pair is not None:
-                return self._said(REFUTED, evidence=self._points(list(pair)), **facts)
-        return self._said(UNDECIDED, **facts)
-
-    def _pair_along(
-        self, at: Mapping[str, Fraction], sign: int
-    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
-        """Return two points along the input, the second one with a lower (or higher) output."""
-        here = {name: float(x) for name, x in at.items()}
-        for digits in (0, 1, 2, 3, 6, None):
-            pair = self._pair_on_line(
-                self._rounded(here, digits), float(at[self.claim.input]), sign
-            )
-            if pair is not None:
-                return pair
-        return None
-
-    def _pair_on_line(
-        self, fixed: dict[str, float], here: float, sign: int
-    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
-        prover, name = self.prover, self.claim.input
-        assert prover.model is not None
-        axis = prover.names.index(name)
-        low, high = (float(x) for x in prover.box(self.region)[axis])
-        corners = [
-            float(x)
-            for proposition in prover.model.propositions
-            if proposition.input == axis
-            for x, _ in proposition.corners
-            if low <= x <= high
-        ]
-        steps = 400
-        even = [low + (high - low) * i / steps for i in range(steps + 1)]
-        near = [here + (high - low) * share for share in (-1e-3, -1e-5, 0.0, 1e-5, 1e-3)]
-        positions = sorted({x for x in (*corners, *even, *near) if low <= x <= high})
-        import numpy as np
-
-        from fuzzyarm.inference import infer
-
-        inputs = {other: np.full(len(positions), x) for other, x in fixed.items()}
-        inputs[name] = np.array(positions)
-        values = np.asarray(infer(self.rulebase, inputs)[self.claim.output]) * sign
-        # The largest fall from any point to a later one: from the running maximum.
-        before = np.maximum.accumulate(values)
-        drop = before - values
-        second = int(drop.argmax())
-        first = int(values[: second + 1].argmax())
-        pair = ({**fixed, name: positions[first]}, {**fixed, name: positions[second]})
-        exact = [prover.exactly(point) for point in pair]
-        if first >= second or exact[0] is None or exact[1] is None:
-            return None
-        return pair if sign * (exact[0] - exact[1]) > 0 else None
+                return self._result(REFUTED, evidence=self.evidence.points(list(pair)), **facts)
+        return self._result(UNDECIDED, **facts)
 
     def _slope(self) -> Verdict:
         claim, prover = self.claim, self.prover
@@ -614,37 +459,17 @@ class _Case:
             )
             facts = {"pieces": bounds.pieces + outcome.pieces}
             if outcome.holds is None:
-                return self._said(UNDECIDED, bounds, **facts)
+                return self._result(UNDECIDED, bounds, **facts)
             if not outcome.holds:
-                pair = self._steep_pair(outcome.at, sign, limit)
+                pair = self.evidence.steep_pair(outcome.at, sign, limit)
                 if pair is None:
                     reason = "a limit of slopes is beyond, but no pair of floats shows it"
-                    return self._said(UNDECIDED, bounds, reason=reason, **facts)
-                return self._said(REFUTED, bounds, evidence=self._points(list(pair)), **facts)
+                    return self._result(UNDECIDED, bounds, reason=reason, **facts)
+                return self._result(
+                    REFUTED, bounds, evidence=self.evidence.points(list(pair)), **facts
+                )
             bounds = _at_most(bounds, sign, limit)
-        return self._said(PROVED, bounds, **facts)
-
-    def _steep_pair(
-        self, at: Mapping[str, Fraction], sign: int, limit: float
-    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
-        """Return two close points with a difference quotient beyond a limit."""
-        prover, name = self.prover, self.claim.input
-        axis = prover.names.index(name)
-        low, high = prover.box(self.region)[axis]
-        here = {other: float(x) for other, x in at.items()}
-        for share in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
-            for step in (share, -share):
-                x = here[name] + step * float(high - low)
-                if not low <= x <= high:
-                    continue
-                pair = sorted(({**here, name: x}, here), key=lambda point: point[name])
-                exact = [prover.exactly(point) for point in pair]
-                if exact[0] is None or exact[1] is None or pair[0][name] == pair[1][name]:
-                    continue
-                run = Fraction(pair[1][name]) - Fraction(pair[0][name])
-                if sign * ((exact[1] - exact[0]) / run - Fraction(limit)) > 0:
-                    return pair[0], pair[1]
-        return None
+        return self._result(PROVED, bounds, **facts)
 
     # ── the others ───────────────────────────────────────────────────────────────────
 
@@ -654,14 +479,14 @@ class _Case:
         claim = prover.odd_within(self.region, limit)
         facts: dict[str, Any] = {"pieces": claim.pieces, "way": _way(claim)}
         if claim.holds:
-            return self._said(PROVED, **facts)
+            return self._result(PROVED, **facts)
         if claim.holds is False:
             at = {name: float(x) for name, x in claim.at.items()}
             opposite = {name: -x for name, x in at.items()}
             both = prover.exactly(at), prover.exactly(opposite)
             if both[0] is not None and both[1] is not None and abs(both[0] + both[1]) > limit:
-                return self._said(REFUTED, evidence=self._points([at, opposite]), **facts)
-        return self._said(UNDECIDED, **facts)
+                return self._result(REFUTED, evidence=self.evidence.points([at, opposite]), **facts)
+        return self._result(UNDECIDED, **facts)
 
     def _covered(self) -> Verdict:
         prover = self.prover
@@ -669,8 +494,8 @@ class _Case:
         pieces = prover.pieces_cut
         way = "boxes" if prover.model is None else "exact"
         if at is None:
-            return self._said(PROVED, pieces=pieces, way=way)
-        return self._said(REFUTED, pieces=pieces, way=way, reason=self._silence(at))
+            return self._result(PROVED, pieces=pieces, way=way)
+        return self._result(REFUTED, pieces=pieces, way=way, reason=self.evidence.without_rule(at))
 
     def _table(self) -> Verdict:
         from fuzzyarm.table import compile_table
@@ -683,7 +508,7 @@ class _Case:
         worst = max(bounds.high, -bounds.low)
         facts: dict[str, Any] = {"bound": worst, "pieces": bounds.pieces, "way": bounds.way}
         if worst <= claim.high:
-            return self._said(PROVED, **facts)
+            return self._result(PROVED, **facts)
         above = bounds.reached_high >= -bounds.reached_low
         at = bounds.at_high if above else bounds.at_low
         if max(bounds.reached_high, -bounds.reached_low) > claim.high + LIKE_EXPECT * prover.range:
@@ -695,19 +520,19 @@ class _Case:
             def fails(value: Fraction) -> bool:
                 return abs(value - there) > Fraction(far)
 
-            value = self._inferred(at)
+            value = self.evidence.inferred(at)
             shows = value is not None and fails(Fraction(value))
-            confirmed = (self._expect(at, value),) if shows and value is not None else None
+            confirmed = (self.evidence.expect(at, value),) if shows and value is not None else None
             if confirmed is not None or claim.mode != "linear":
                 if confirmed is None:
-                    self._note(at)
+                    self.evidence.note(at)
                 reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
-                return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
+                return self._result(REFUTED, evidence=confirmed or (), reason=reason, **facts)
         if prover.model is not None:
             bound = prover.table_at_most(self.region, table, claim.mode, claim.high)
             if bound.holds:
-                return self._said(PROVED, **{**facts, "bound": claim.high})
-        return self._said(UNDECIDED, **facts)
+                return self._result(PROVED, **{**facts, "bound": claim.high})
+        return self._result(UNDECIDED, **facts)
 
     def _demand_time_for_table(self) -> None:
         """Refuse a table whose values alone take longer than the budget."""
