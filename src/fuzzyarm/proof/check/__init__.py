@@ -1,9 +1,15 @@
 """The checker of certificates: independent of the search, in third-party arithmetic.
 
-Read :mod:`.certificate` first, then :mod:`.checking`. A region goes through :mod:`.region`,
-:mod:`.loop` and :mod:`.lines`, a tube through :mod:`.tube`; both through the checker's own control
-period (:mod:`.walk`), pieces of rule bases (:mod:`.rules`), slopes and plant (:mod:`.slopes`,
-:mod:`.motion`), in the balls and rationals of python-flint (:mod:`.numbers`).
+Reading order, each module after those that it needs:
+
+- :mod:`.certificate`: the input;
+- :mod:`.spans`, :mod:`.numbers`: many intervals at once; rationals and the balls of python-flint;
+- :mod:`.polynomials`, :mod:`.clipped`, :mod:`.pieces`, :mod:`.rules`: a rule base on its pieces;
+- :mod:`.walk`: the instructions of a controller over any number system;
+- :mod:`.slopes`, :mod:`.motion`: the plant; :mod:`.lines`, :mod:`.loop`: the linear loop at rest;
+- :mod:`.region`: Lyapunov functions;
+- :mod:`.bands`, :mod:`.forms`, :mod:`.references`, :mod:`.tube`: sets of runs, sample by sample;
+- :mod:`.checking`: the check of a certificate as a whole, from its files on.
 """
 
 from typing import TYPE_CHECKING

@@ -1,6 +1,7 @@
 """Claims about a loop: their text, their loop, and its identity.
 
-Read :mod:`.problem` first. Search and checker share this room, and nothing else.
+Read :mod:`.problem` first, then :mod:`.own_start`. Search and checker share this room, and
+nothing else.
 """
 
 from typing import TYPE_CHECKING

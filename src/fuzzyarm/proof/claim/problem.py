@@ -8,16 +8,12 @@ of the plant.
 
 from __future__ import annotations
 
-import builtins
-import dis
 import math
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from types import FunctionType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,9 +25,9 @@ from fuzzyarm.control.controllers.text import ControllerText, ports_of
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.control.loop.reference import AnySignal, Signal, as_signal
 from fuzzyarm.language.model.controller import ControllerModel, SignalLine
-from fuzzyarm.plant.equations import Watched, expressions_of, has_queue
-from fuzzyarm.plant.own import start_of
+from fuzzyarm.plant.equations import expressions_of, has_queue
 from fuzzyarm.plant.plant import Address, Interface, Plant, parameter, with_parameters
+from fuzzyarm.proof.claim.own_start import own_start, reads_of
 from fuzzyarm.symbolic.nodes import Node, symbol, symbols
 from fuzzyarm.symbolic.operations import Interval
 
@@ -370,8 +366,8 @@ def loop_problem(
             _demand_whole_delays(times, text.model.period)
     numbers = {name: parameter(plant, name).value for name in plant.parameters}
     values = {name: Interval(x, x) for name, x in numbers.items()} | values
-    begun, unknown = _begun(plant, values)
-    starts = {name: Interval(x, x) for name, x in zip(plant.states, begun, strict=True)}
+    own, unknown = own_start(plant, values)
+    starts = {name: Interval(x, x) for name, x in zip(plant.states, own, strict=True)}
     starts |= _chosen("state", start, plant.states)
     alone = tuple(name for name in plant.states if name not in (start or {}))
     interface = site.interface
@@ -449,86 +445,16 @@ def _with_error_bounds(interface: Interface, signals: Mapping[Address, Signal]) 
 
 def _demand_arguments(plant: Plant, chosen: Mapping[str, Interval]) -> None:
     """Refuse a parameter that nothing reads, and an interval read otherwise than from `p`."""
-    at = copy(plant)
-    at.parameters = watched = Watched(plant.parameters)
-    for ports in (at.inputs, at.outputs, at.states):  # they may read a parameter by name, too
-        tuple(ports.items())
-    _, roots = at.longest_step, expressions_of(at)
-    by_equations = set(watched.read)
-    start_of(at, np.random.default_rng(0))
-    if roots is not None:
-        used = set(symbols(*roots[0], *(roots[1] or ())))
-        for k, name in enumerate(plant.parameters):
-            if name in chosen and f"p{k}" not in used and name not in watched.read:
-                # One that `__init__` has kept, for instance: the sentence would say that it counts.
-                raise ClaimError(f"nothing of {plant.name} reads its parameter '{name}'")
+    reads = reads_of(plant)
+    for name in plant.parameters:
+        if name in chosen and name in reads.unread:
+            raise ClaimError(f"nothing of {plant.name} reads its parameter '{name}'")
     for name, span in chosen.items():
-        if span.low == span.high or name not in watched.read:
-            continue
-        # A start may keep what it reads, for equations to use.
-        if name in by_equations or not _only_computes(plant):
+        if span.low < span.high and name in reads.by_name:
             raise LoopProofError(
                 f"{plant.name} reads '{name}' by its name, which has one value there",
                 hint="equations get an interval of it only by their argument p",
             )
-
-
-_HARMLESS = (
-    math, np, parameter, float, int, abs, min, max, sum, range, len, list, tuple, dict, zip,
-)  # fmt: skip
-_ATTRIBUTES = {"parameters", "value", "get", "copy", "items", "keys", "values"} | {
-    name for name in (*dir(math), *dir(np.random.Generator)) if not name.startswith("_")
-}
-
-
-_LASTING = ("STORE", "DELETE", "MAKE_FUNCTION", "IMPORT", "LOAD_CLOSURE", "LOAD_DEREF")
-
-
-def _only_computes(plant: Plant) -> bool:
-    """Return whether a start keeps nothing: no attribute stored, no call that may store one."""
-    start = getattr(plant.start, "__func__", plant.start)
-    if not isinstance(start, FunctionType):
-        return False
-    steps = [(step.opname, step.argval) for step in dis.get_instructions(start)]
-    return all(_is_harmless(start, *steps[k : k + 3]) for k in range(len(steps)))
-
-
-def _is_harmless(start: FunctionType, step: tuple[str, Any], *later: tuple[str, Any]) -> bool:
-    """Return whether an instruction of a start keeps nothing, judged with the two after it."""
-    kind, name = step
-    if kind == "LOAD_GLOBAL":
-        value = start.__globals__.get(name, getattr(builtins, name, None))
-        return isinstance(value, int | float) or any(value is x for x in _HARMLESS)
-    if kind in ("LOAD_ATTR", "LOAD_METHOD"):
-        return name in _ATTRIBUTES
-    names = name if isinstance(name, tuple) else (name,)
-    if kind.startswith("LOAD_FAST") and start.__code__.co_varnames[0] in names:
-        # Of the plant only `self.parameters` or `parameter(self, "q")`: no operator of its own.
-        (after, read), (last, _) = (*later, ("", None), ("", None))[:2]
-        return read == "parameters" or (after == "LOAD_CONST" and "CALL" in last)
-    return kind.startswith("STORE_FAST") or not kind.startswith(_LASTING)
-
-
-def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
-    """Return the plant's own start, and why it is not a single point (empty: it is)."""
-    points = {name: span.low for name, span in values.items()}
-    at = with_parameters(plant, points) if points else copy(plant)
-    at.parameters = watched = Watched(at.parameters)
-    generator = np.random.default_rng(0)
-    before = _drawn_from(generator)
-    begun = start_of(at, generator)
-    if _drawn_from(generator) != before or start_of(at, np.random.default_rng(0)) != begun:
-        return begun, f"{plant.name} draws where it starts, and a claim is about all starts"
-    free = [n for n, span in values.items() if span.low < span.high and n in watched.read]
-    if free:
-        return begun, f"{plant.name} makes its start of '{free[0]}', of which only bounds are known"
-    return begun, ""
-
-
-def _drawn_from(generator: np.random.Generator) -> tuple[str, int]:
-    """Return the state of a random generator, which changes on each draw."""
-    bits: Any = generator.bit_generator
-    return repr(bits.state), bits.seed_seq.n_children_spawned
 
 
 def _chosen(

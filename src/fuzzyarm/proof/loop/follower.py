@@ -260,7 +260,7 @@ class Follower:
         batch, count = len(boxes), len(self.first.low)
         algebra = Zonotopes(batch, self.planes)
         control = LoopPeriod[Number](self.problem, algebra)
-        states, constants = self._begun(boxes)
+        states, constants = self.start_forms(boxes)
         memory: dict[str, Number] = dict.fromkeys(control.memory, 0.0)
         for name, value in control.memory.items():
             memory[name] = 0.0 if math.isnan(value) else value
@@ -405,7 +405,7 @@ class Follower:
             name = self.labels[int(over.argmax())]
             raise EnclosureError(f"'{name}' may leave its bound")
 
-    def _begun(self, boxes: Sequence[Box]) -> tuple[Forms, dict[str, Forms]]:
+    def start_forms(self, boxes: Sequence[Box]) -> tuple[Forms, dict[str, Forms]]:
         """Return states and parameters, with a symbol for each width."""
         batch, count = len(boxes), len(self.first.low)
         rows = []

@@ -192,7 +192,7 @@ class Pool:
     def _begun(self, boxes: Sequence[Box]) -> tuple[_Swarm, list[Fate]]:
         """Return boxes after their first period."""
         follower, batch = self.follower, len(boxes)
-        states, constants = follower._begun(boxes)
+        states, constants = follower.start_forms(boxes)
         control = self.control[1]
         memory: dict[str, Number] = {
             name: 0.0 if math.isnan(value) else value for name, value in control.memory.items()

@@ -12,6 +12,8 @@ from typing import NamedTuple
 from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import decimal, number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
+from fuzzyarm.language.loop_claims import stretch_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.proof.check.certificate import Certificate
 from fuzzyarm.proof.claim.problem import ClaimError
 from fuzzyarm.symbolic.operations import Interval
@@ -192,8 +194,7 @@ class StartMap(Shown):
     def sentence(self) -> str:
         """Return the coverage in a sentence."""
         window = ", ".join(
-            f"{name} in {number_text(span.low)} .. {number_text(span.high)}"
-            for name, span in self.window.items()
+            stretch_text((name, span.low, span.high)) for name, span in self.window.items()
         )
         return (
             f"from {_percent(self.proved)} of {window} every run comes to rest, from"
@@ -206,7 +207,9 @@ class StartMap(Shown):
     def __str__(self) -> str:
         lines = [f"map: {self.statement}", f"  {self.sentence()}"]
         if self.others:
-            begun = ", ".join(f"{name} = {number_text(x)}" for name, x in self.others.items())
+            begun = ", ".join(
+                f"{name_text(name)} = {number_text(x)}" for name, x in self.others.items()
+            )
             lines.append(f"  the other states begin at {begun}")
         if self._longest:
             longest = outward_text(self._longest, up=True)

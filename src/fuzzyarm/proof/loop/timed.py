@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.numbers import decimal, number_text
+from fuzzyarm.base.numbers import decimal
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.loop_claims import stretch_text
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import RegionProof
@@ -157,10 +158,7 @@ def first_open_box(tube: Tube) -> tuple[str, ...]:
     if not tube.open[0]:  # a point start: nothing to halve
         never = f"the bounds grow too wide before {tube.duration:g} s, and the start is one point"
         return () if tube.complete else (f"{never}; a shorter time may be bounded",)
-    box = ", ".join(
-        f"{name} in {number_text(low)} .. {number_text(high)}"
-        for name, (low, high) in tube.open[0].items()
-    )
+    box = ", ".join(stretch_text((name, *interval)) for name, interval in tube.open[0].items())
     more = len(tube.open) - 1
     return (f"in the way: {box}" + (f", and {more} other box{'es' * (more > 1)}" if more else ""),)
 

@@ -16,14 +16,13 @@ import math
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
 
 from fuzzyarm.base.jsonable import json_properties
-from fuzzyarm.base.numbers import decimal, number_text
+from fuzzyarm.base.numbers import decimal, number_text, outward_text
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Vector
 from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
@@ -151,17 +150,8 @@ class Tube:
 
 def _ends(interval: Interval) -> str:
     """Return an interval in words, rounded outward to six digits."""
-    return " .. ".join(
-        _outward_text(end, up=up) for end, up in ((interval.low, False), (interval.high, True))
-    )
-
-
-def _outward_text(x: float, *, up: bool) -> str:
-    """Return a number with six digits, not below (`up`) or not above it."""
-    if not math.isfinite(x) or float(f"{x:.6g}") == x:
-        return f"{x:.6g}"
-    rounding = ROUND_CEILING if up else ROUND_FLOOR
-    return f"{Context(prec=6, rounding=rounding).create_decimal(x):.6g}"
+    low, high = interval
+    return f"{outward_text(low, up=False, digits=6)} .. {outward_text(high, up=True, digits=6)}"
 
 
 def _between(course: Tube, column: int, begin: float, end: float) -> Interval:

@@ -5,6 +5,11 @@ rule base of piecewise linear terms, min and the exact centroid (or averages of 
 pieces on which the output is a quotient of polynomials; all others are bounded over boxes.
 :func:`sector` and :func:`slopes_at` compare an output with a linear law;
 :func:`prove_drives` does so for the drives of a controller.
+
+Reading order: :mod:`.straight` (a rule base in straight lines), :mod:`.pieces` (its cells and
+simplices), :mod:`.surface` (quotients of polynomials), :mod:`.bernstein` (their suprema),
+:mod:`.search` (bounds in floats and rationals), :mod:`.prover` (statements), :mod:`.evidence` and
+:mod:`.verdicts`; :mod:`.boxes` for all other rule bases.
 """
 
 from typing import TYPE_CHECKING
