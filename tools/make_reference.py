@@ -1,7 +1,7 @@
 """The pages that are read from the program itself: commands, metrics and the Python API.
 
-    python tools/make_reference.py    # writes docs/reference/commands.md, docs/reference/metrics.md
-    and docs/reference/api.md
+    python tools/make_reference.py    # writes commands.md, metrics.md, formats.md and api.md
+    # in docs/reference
 
 These are kept with the others, so that they can be read without building the site;
 `tests/docs/test_site.py` holds them to the program. The pages of each package are written into
@@ -27,6 +27,7 @@ from fuzzyarm.apps.cli.main import COMMANDS, HEADINGS, find_command
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.control.loop.metrics import FORMULAS, Metrics
 from fuzzyarm.learning.tuning.cost import ERRORS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
 REFERENCE = Path(__file__).parents[1] / "docs" / "reference"
 
@@ -151,6 +152,38 @@ def metrics_page() -> str:
     text = _with_rows(text, "| metric | unit | computed as |", rows)
     text = _with_rows(text, "| metric | in words |", words)
     return _with_rows(text, "| metric | of the errors |", errors)
+
+
+_FOREIGN = {
+    "FLL": "fll", "FCL of fuzzylite": "fcl", "FCL of jFuzzyLogic": "jfl", "FIS of fuzzylite": "fis",
+    "FIS of MATLAB": "matlab", "FIS of Octave": "octave", "FML": "fml", "scikit-fuzzy": "skfuzzy",
+}  # fmt: skip
+"""The keys of `names` in the record of a kind, by the heads of columns."""
+
+_KINDS = {
+    "shape": SHAPES, "T-norm": TNORMS, "S-norm": SNORMS, "hedge": HEDGES,
+    "defuzzifier": DEFUZZIFIERS,
+}  # fmt: skip
+
+
+def formats_page() -> str:
+    """Return the page of formats with the names of today's kinds in other programs."""
+    rows = [
+        f"| {sort} | `{kind.name}` | {' | '.join(cells)} |"
+        for sort, kinds in _KINDS.items()
+        for kind in kinds.values()
+        if not kind.own
+        if set(cells := [_foreign_name(kind.names.get(key, "")) for key in _FOREIGN.values()])
+        != {"–"}
+    ]
+    text = (REFERENCE / "formats.md").read_text("utf-8")
+    return _with_rows(text, f"| kind | here | {' | '.join(_FOREIGN)} |", rows)
+
+
+def _foreign_name(names: str) -> str:
+    """Return alternatives as code, each with the order of its numbers where that differs."""
+    words = [name.partition(" ") for name in names.split(", ")]
+    return ", ".join(f"`{word}` {order}".rstrip() for word, _, order in words) if names else "–"
 
 
 def _with_rows(text: str, head: str, rows: list[str]) -> str:
@@ -311,4 +344,5 @@ def _directive(name: str, thing: object) -> list[str]:
 if __name__ == "__main__":
     write_atomically(REFERENCE / "commands.md", commands_page())
     write_atomically(REFERENCE / "metrics.md", metrics_page())
+    write_atomically(REFERENCE / "formats.md", formats_page())
     write_atomically(REFERENCE / "api.md", api_index())

@@ -31,6 +31,7 @@ def scripts():
     [
         ("reference/commands.md", "make_reference", "commands_page"),
         ("reference/metrics.md", "make_reference", "metrics_page"),
+        ("reference/formats.md", "make_reference", "formats_page"),
         ("reference/api.md", "make_reference", "api_index"),
         ("tutorial/gallery.md", "make_gallery", "gallery_page"),
     ],

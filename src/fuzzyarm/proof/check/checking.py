@@ -478,7 +478,7 @@ def follow_tubes(
     follower: Follower, claim: LoopClaim, tubes: Sequence[TubeProof]
 ) -> list[Followed]:
     """Follow the boxes of tubes to their destinations; LoopProofError if one fails."""
-    ways: dict[tuple[str, int], list[int]] = {}
+    numbers_by_goal: dict[tuple[str, int], list[int]] = {}
     for number, tube in enumerate(tubes):
         kind, index = tube.into
         if kind == "tubes" and (claim.output or index > number):
@@ -489,12 +489,12 @@ def follow_tubes(
         goal = ("regions", 0) if kind == "tubes" else (kind, index)
         if goal[0] == "regions" and goal[1] >= len(follower.havens):
             raise LoopProofError(f"box {number + 1}: there is no region {goal[1]}")
-        ways.setdefault(goal, []).append(number)
-    found = [Followed(0)] * len(tubes)
-    for (way, index), numbers in ways.items():
+        numbers_by_goal.setdefault(goal, []).append(number)
+    results = [Followed(0)] * len(tubes)
+    for (destination, index), numbers in numbers_by_goal.items():
         boxes, periods = [tubes[k].box for k in numbers], [tubes[k].periods for k in numbers]
         counts = np.array([_before(tubes[k]) for k in numbers])
-        if way == "regions":
+        if destination == "regions":
             task = _into_region(follower, claim, index)
             if counts.any():
                 task = task._replace(boxes=ends_of_boxes([tube.box for tube in tubes]))
@@ -506,8 +506,8 @@ def follow_tubes(
         for number, followed in zip(
             numbers, follower.follow(boxes, periods, task, counts), strict=True
         ):
-            found[number] = followed
-    return found
+            results[number] = followed
+    return results
 
 
 def _before(tube: TubeProof) -> int:
@@ -605,7 +605,10 @@ def _share_of(lows: Any, highs: Any, window: Mapping[str, tuple[float, float]]) 
     if inside.size <= MOST_EXACT_CELLS:
         return Fraction(_weighed(inside.astype(object), lengths))
     share = float(_weighed(inside.astype(float), [list(map(float, axis)) for axis in lengths]))
-    return Fraction(max(0.0, share * (1.0 - 1e-9)))
+    # Nothing is negative: n numbers of an axis are added with a relative error below n 2⁻⁵³, plus
+    # two roundings for each length and product.
+    error = 2.0**-52 * sum(len(axis) + 2 for axis in lengths)
+    return Fraction(max(0.0, share * (1.0 - max(1e-9, error))))
 
 
 def _weighed(cells: Any, lengths: Sequence[Sequence[Any]]) -> Any:

@@ -102,7 +102,6 @@ class System:
         """Return rows over z alone: the extremes of a row over z and the answers.
 
         An answer w is its v times some δ in [-1, 1], and a linear function is extreme at an end.
-
         """
         rows = [list(whole)]
         # The last answer first: the v of each has only answers before it, so one pass removes all.
@@ -182,14 +181,14 @@ def _radii_of_rest(f: Matrix, jacobian: Matrix, radii: Sequence[Number]) -> list
     # Any matrix Y is sound; this one is close to the inverse.
     y = [[exact(float(x)) for x in row] for row in near]
     shift, turned = product(y, f), product(y, jacobian)
-    found = []
+    radii_of_k = []
     for i in range(len(f)):
         total = -shift[i][0]  # row i of K - m
         for j, far in enumerate(radii):
             if far > 0:  # else K is not within, by its row j
                 total += (int(i == j) - turned[i][j]) * around(ZERO, far)
-        found.append(magnitude(total))
-    return found
+        radii_of_k.append(magnitude(total))
+    return radii_of_k
 
 
 class _Derivation:
@@ -269,21 +268,21 @@ class _Derivation:
         f = [[slope.value] for slope in self._residuals(centre, {})]
         plain: Directions = {name: {name: ONE} for name in names}
         jacobian = self._jacobian(box, plain)
-        found = _radii_of_rest(f, jacobian, list(doubt.values()))
-        within = all(map(lt, found, doubt.values()))
+        radii_of_k = _radii_of_rest(f, jacobian, list(doubt.values()))
+        within = all(map(lt, radii_of_k, doubt.values()))
         follows = {} if within else self._followed(jacobian)
         if not follows:
-            return dict(zip(names, found, strict=True))
+            return dict(zip(names, radii_of_k, strict=True))
         # Next to an edge of a rule base its slope along a rate is uncertain. At rest the rate is 0
-        # for certain, but in the box it is not, since y and the y before are apart. With memory as
-        # it follows the states, m = T x + m', it is nearly 0 along x. The set of |x| and |m'|
+        # for certain; in the box it is not, where y and the y before differ. With memory that
+        # follows the states, m = T x + m', it is nearly 0 along x. The set of |x| and |m'|
         # below their radii lies in the box if those of m are |T| times those of x larger.
         wider = [sum((abs(t) * doubt[n] for n, t in follows.get(name, {}).items()), ZERO)
                  for name in names]  # fmt: skip
         jacobian = self._jacobian(box, {n: {**plain[n], **follows.get(n, {})} for n in names})
         radii = [far - more for far, more in zip(doubt.values(), wider, strict=True)]
-        found = _radii_of_rest(f, jacobian, radii)
-        return {name: far + more for name, far, more in zip(names, found, wider, strict=True)}
+        radii_of_k = _radii_of_rest(f, jacobian, radii)
+        return {name: far + more for name, far, more in zip(names, radii_of_k, wider, strict=True)}
 
     def _jacobian(self, box: Mapping[str, Number], directions: Directions) -> Matrix:
         slopes = self._residuals(box, directions)

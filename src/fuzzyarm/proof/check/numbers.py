@@ -204,8 +204,8 @@ def function(name: str, x: Number) -> Number:
         return abs(x) if isinstance(x, fmpq) else between(x.abs_lower(), x.abs_upper())
     if isinstance(x, Spans):
         value = _function(name, x)
-        here = (x.low == 0.0) & (x.high == 0.0)
-        return value.chosen(~here, AT_ZERO[name]) if name in AT_ZERO and here.any() else value
+        at_zero = (x.low == 0.0) & (x.high == 0.0)
+        return value.chosen(~at_zero, AT_ZERO[name]) if name in AT_ZERO and at_zero.any() else value
     return AT_ZERO[name] if name in AT_ZERO and x == 0 else _function(name, x)
 
 
@@ -257,7 +257,6 @@ def is_positive_definite(matrix: Sequence[Sequence[Number]]) -> bool:
 
     Radii of entries are subtracted from the diagonal: a symmetric E with |Eᵢⱼ| ≤ Sᵢⱼ is at most the
     diagonal matrix of the row sums of S (diagonal dominance). The rest is Cholesky's elimination.
-
     """
     with ctx.workprec(400):
         return _is_positive_definite([[arb(x) for x in row] for row in matrix])

@@ -204,7 +204,7 @@ def _is_above(larger: Rows, smaller: Rows, factor: Number) -> bool:
 
 def _are_all(cones: Sequence[System]) -> bool:
     """Return whether cones cover the state space: all combinations of signs."""
-    found = []
+    signs_of_cones = []
     for cone in cones:
         signs: dict[tuple[Number, ...], bool] = {}
         for row in cone.sides:
@@ -215,11 +215,12 @@ def _are_all(cones: Sequence[System]) -> bool:
             signal = tuple(x / lead for x in row[: cone.size])
             if signs.setdefault(signal, lead > 0) != (lead > 0):
                 return False
-        found.append(signs)
-    signals = tuple(found[0]) if found else ()
-    if not found or any(set(signs) != set(signals) for signs in found):
+        signs_of_cones.append(signs)
+    signals = tuple(signs_of_cones[0]) if signs_of_cones else ()
+    if not signs_of_cones or any(set(signs) != set(signals) for signs in signs_of_cones):
         return False
-    return len({tuple(signs[x] for x in signals) for signs in found}) == 1 << len(signals)
+    distinct = {tuple(signs[x] for x in signals) for signs in signs_of_cones}
+    return len(distinct) == 1 << len(signals)
 
 
 def fall_in_cones(parts: Parts, rate: Fraction) -> bool:
@@ -294,28 +295,30 @@ def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[list[Number]
 
 def _with_memory(loop: CheckedLoop, states: Mapping[str, Number]) -> list[Number]:
     """Return z just before the first period, from the plant's states."""
-    values = []
+    return _first_z(loop, {name: x - loop.rest[name] for name, x in states.items()})
+
+
+def _first_z(loop: CheckedLoop, away: Mapping[str, Number]) -> list[Number]:
+    """Return z just before the first period, from the deviations of the plant's states."""
+    z = []
     for name in loop.names:
-        if name in states:
-            value = states[name]
+        if name in away:
+            z.append(away[name])
         elif name in loop.seeds:
             constant, parts = loop.seeds[name]
-            value = constant + sum(
-                ((states[of] - loop.rest[of]) * w for of, w in parts.items()), ZERO
-            )
+            moved = sum((away[of] * w for of, w in parts.items()), ZERO)
+            z.append(constant + moved - loop.rest[name])
         elif name in loop.begin:
-            value = loop.begin[name]
+            z.append(loop.begin[name] - loop.rest[name])
         else:
             raise LoopProofError(f"'{name}' has a start of its own")
-        values.append(value - loop.rest[name])
-    return values
+    return z
 
 
 def has_known_start(problem: LoopProblem, loop: CheckedLoop) -> bool:
     """Return whether the plant's states determine the initial memory.
 
     The first value of a `rate of` does not depend on them.
-
     """
     return not set(loop.names) - {*problem.states, *loop.seeds, *loop.begin}
 
@@ -331,21 +334,22 @@ def start_quadric(
     names = problem.states
     rest = {name: middle(loop.rest[name]) for name in names}
     base = np.array(_floats(_with_memory(loop, rest)))
-    ways = []
+    columns = []
     for k in states:
         # The map from states to z is affine: one column for each unit step.
         shifted = {**rest, names[k]: rest[names[k]] + 1}
-        ways.append(np.array(_floats(_with_memory(loop, shifted))) - base)
-    way, plain = np.array(ways), np.array([_floats(row) for row in p])
-    return way @ plain @ way.T, 2.0 * way @ plain @ base, float(base @ plain @ base) - 1.0
+        columns.append(np.array(_floats(_with_memory(loop, shifted))) - base)
+    map_, plain = np.array(columns), np.array([_floats(row) for row in p])
+    return map_ @ plain @ map_.T, 2.0 * map_ @ plain @ base, float(base @ plain @ base) - 1.0
 
 
 def _floats(values: Sequence[Number]) -> list[float]:
     return [float(x) for x in values]
 
 
+@precisely
 def _along_alone(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> dict[str, float]:
-    """Return the largest starts along each state alone, with the initial memory."""
+    """Return a proved start along each state alone, nearly the largest, with the initial memory."""
     values: dict[str, float] = {}
     # Memory with a fixed initial value has another deviation from each rest.
     if not has_known_start(problem, loop) or set(loop.begin) & set(rests_of(loop)):
@@ -357,8 +361,21 @@ def _along_alone(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> dict[str, 
         inside = b * b - 4.0 * a * c
         if c < 0.0 and inside >= 0.0:
             root = math.sqrt(inside)
-            values[name] = min((-b + root) / (2 * a), (b + root) / (2 * a))
+            far = min((-b + root) / (2 * a), (b + root) / (2 * a))
+            # In floats; a slightly smaller start is then checked exactly, the first that holds.
+            starts = (far * share for share in (1.0, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.99))
+            proved = next((x for x in starts if _begins_inside(problem, loop, p, name, x)), 0.0)
+            values |= {name: proved} if proved > 0.0 else {}
     return values
+
+
+def _begins_inside(problem: LoopProblem, loop: CheckedLoop, p: Rows, name: str, far: float) -> bool:
+    """Return whether starts up to `far` along a state alone are in the region."""
+    at_rest = dict.fromkeys(problem.states, ZERO)
+    return all(
+        greatest(quadratic_at(p, _first_z(loop, {**at_rest, name: exact(end)}))) <= 1
+        for end in (far, -far)
+    )
 
 
 # ── reach of a region ────────────────────────────────────────────────────────────────
@@ -521,7 +538,7 @@ def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -
     starts, rests = where_states_are(problem, loop, region, ONE), rests_of(loop)
     for name in set(starts) - set(rests):  # for all points of its ball
         low, high = starts[name]
-        width = float_above(loop.rest[name]) - float_below(loop.rest[name])
+        width = float_above(greatest(loop.rest[name]) - least(loop.rest[name]))
         starts[name] = low + width, high - width
     return {
         "region": starts,
@@ -542,7 +559,10 @@ def where_states_are(
     for name, half in reach_of(loop, level, region.p).items():
         rest = loop.rest[name]
         low, high = _limits(problem, region.evidence.memory.get(name, ""))
-        reach[name] = max(float_below(rest) - half, low), min(float_above(rest) + half, high)
+        if math.isfinite(half):
+            low = max(low, float_below(least(rest) - exact(half)))
+            high = min(high, float_above(greatest(rest) + exact(half)))
+        reach[name] = low, high
     return reach
 
 
@@ -569,7 +589,6 @@ def outside(
     """Return why an output may leave the claimed interval in the claimed time; empty: it cannot.
 
     V is at most `level` after `begun` periods.
-
     """
     if region.continuous:
         return "a claim about an output is proved of the sampled loop"

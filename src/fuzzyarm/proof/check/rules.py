@@ -85,8 +85,8 @@ Region = Mapping[str, tuple[Number, Number]]
 class _Rule(NamedTuple):
     antecedent: Any
     weight: fmpq
-    column: int
-    norms: tuple[str, str]
+    column: int  # of its conclusion
+    norms: tuple[str, str]  # of ``and``, of ``or``
 
 
 class RuleSurface:
@@ -114,12 +114,12 @@ class RuleSurface:
         return LoopProofError(f"'{self.name}' is not made of straight pieces: {reason}")
 
     def _read(self) -> None:
-        output, way = self.output, self.output.defuzzifier
-        record = way.record
+        output, defuzzifier = self.output, self.output.defuzzifier
+        record = defuzzifier.record
         if self.rulebase.is_type2 or record.inverts or record.both:
-            raise self._refuse(f"defuzzifier {way}")
+            raise self._refuse(f"defuzzifier {defuzzifier}")
         if record.figure not in ("centroid", "average", "weighted"):
-            raise self._refuse(f"defuzzifier {way}")
+            raise self._refuse(f"defuzzifier {defuzzifier}")
         if output.aggregation not in ("max", "sum"):
             raise self._refuse(f"aggregation {output.aggregation}")
         conclusions = [
@@ -132,8 +132,8 @@ class RuleSurface:
         shapes = {c.term: output.term(c.term).shape for _, _, c in conclusions}
         numbers = [shape.kind in ("singleton", "linear") for shape in shapes.values()]
         self.of_sets = not (record.weighs or all(numbers))
-        if self.of_sets and (any(numbers) or way.joined):
-            raise self._refuse(f"defuzzifier {way} of these terms")
+        if self.of_sets and (any(numbers) or defuzzifier.joined):
+            raise self._refuse(f"defuzzifier {defuzzifier} of these terms")
         clips = {block.implication for block, _, _ in conclusions} if self.of_sets else set()
         scaled = clips == {"product"}
         if clips and not (clips == {"min"} or (scaled and self.adds)):
@@ -223,11 +223,11 @@ class RuleSurface:
 
     def _stairs(self, corners: Corners, low: fmpq, high: fmpq) -> list[Segment]:
         """Return a step around each sample, as wide as its weight: integrals equal sums."""
-        way = self.output.defuzzifier
-        count, sampling = way.resolution, way.sampling
+        defuzzifier = self.output.defuzzifier
+        count, sampling = defuzzifier.resolution, defuzzifier.sampling
         assert count is not None
         # Beside a vertical edge the last bit of a position decides, so heights are taken there.
-        rounded = sample_positions(self.output.low, self.output.high, way)
+        rounded = sample_positions(self.output.low, self.output.high, defuzzifier)
         stretches = count if sampling in ("midpoints", "left") else count - 1
         step = (high - low) / stretches
         segments = []
@@ -465,8 +465,8 @@ class RuleSurface:
                 sums = tuple(dot(row, corner) for corner in side.corners)
                 sign = fmpq(-1) if any(total < 0 for total in sums) else ONE
                 along = linear(sums) * side.lower
-                for gain, way in ((low, sign), (high, -sign)):
-                    if not is_not_negative(plus(side.upper, along, -gain) * way):
+                for gain, factor in ((low, sign), (high, -sign)):
+                    if not is_not_negative(plus(side.upper, along, -gain) * factor):
                         return False
         return True
 
@@ -517,8 +517,8 @@ class RuleSurface:
         """Return bounds of the output over a box of inputs, and of slopes along some of them."""
         box = [inputs[name] for name in self.names]
         axes = [self.names.index(name) for name in moving]
-        found = [piece.bounds(axes, shares, box) for piece, shares in self._touched(inputs)]
-        values, slopes = zip(*found, strict=True)
+        bounds = [piece.bounds(axes, shares, box) for piece, shares in self._touched(inputs)]
+        values, slopes = zip(*bounds, strict=True)
         return hull(*values), {
             name: hull(*along)
             for name, along in zip(moving, zip(*slopes, strict=True), strict=True)

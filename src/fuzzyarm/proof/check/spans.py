@@ -309,7 +309,6 @@ class Matrices:
     ----------
     near, far : ndarray, shape (..., rows, columns)
         Midpoints and radii.
-
     """
 
     def __init__(self, near: Vector, far: Vector) -> None:

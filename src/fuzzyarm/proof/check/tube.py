@@ -277,7 +277,7 @@ class Follower:
         Memory has its initial values. `numbers`: how many boxes of the task come before each box;
         all by default.
         """
-        found = [Followed(0, "it was not followed")] * len(boxes)
+        results = [Followed(0, "it was not followed")] * len(boxes)
         last = np.asarray(periods, dtype=np.int64)
         for begin in range(0, len(boxes), AT_ONCE):
             which = np.arange(begin, min(begin + AT_ONCE, len(boxes)))
@@ -289,22 +289,22 @@ class Follower:
                 self.numbers.symbols = max(len(form.weights) for form in group.now)
                 self.walk.at = ""
                 try:
-                    later = self._after_period(group, last, task, numbers, found)
+                    later = self._after_period(group, last, task, numbers, results)
                 except (LoopProofError, ZeroDivisionError) as error:
                     if len(group.which) == 1:
                         of = f"'{self.walk.at}': " * bool(self.walk.at)
                         why = self.numbers.why if self.numbers.lost.any() else f"{of}{error}"
-                        found[int(group.which[0])] = Followed(group.period, why)
+                        results[int(group.which[0])] = Followed(group.period, why)
                     else:  # one of them fails, or they take different branches
                         waiting += _halves(group)
                     continue
                 if later is not None:
                     waiting.append(later)
-        return found
+        return results
 
     def _after_period(
         self, group: _Group, last: Index, task: Task, numbers: Index | None,
-        found: list[Followed],
+        results: list[Followed],
     ) -> _Group | None:  # fmt: skip
         """Return the sets of a group still on their way one period later; conclude the others."""
         which, now, k = group
@@ -316,38 +316,38 @@ class Follower:
         arrived = self._arrived(group, last, task, numbers)
         late = ~arrived & (last[which] <= k)
         for i in which[arrived]:
-            found[int(i)] = Followed(k)
+            results[int(i)] = Followed(k)
         for i in which[late]:
-            found[int(i)] = Followed(k, f"it has not arrived after {k} periods")
+            results[int(i)] = Followed(k, f"it has not arrived after {k} periods")
         lost = ~(arrived | late | self._bounded(now[: len(self.problem.states)]))
         for i in which[lost]:
-            found[int(i)] = Followed(k, "an output may be beyond its bound")
+            results[int(i)] = Followed(k, "an output may be beyond its bound")
         which, now = _selected(which, now, ~(arrived | late | lost))
         if not len(which):
             return None
         self.numbers.sets = len(which)
-        which, now, span = self._advanced(which, now, k, port if counts else "", found)
+        which, now, span = self._advanced(which, now, k, port if counts else "", results)
         if span is not None and claim is not None:
             holds = np.broadcast_to(
                 (span.low >= claim.low) & (span.high <= claim.high), which.shape
             )
             for i in which[~holds]:
-                found[int(i)] = Followed(k, f"in period {k + 1} the claim is not shown")
+                results[int(i)] = Followed(k, f"in period {k + 1} the claim is not shown")
             which, now = _selected(which, now, holds)
             if k == end and not task.into:
                 for i in which:
-                    found[int(i)] = Followed(k + 1)
+                    results[int(i)] = Followed(k + 1)
                 return None
         return _Group(which, now, k + 1) if len(which) else None
 
     def _advanced(
-        self, which: Index, now: Sequence[Form], k: int, port: str, found: list[Followed]
+        self, which: Index, now: Sequence[Form], k: int, port: str, results: list[Followed]
     ) -> tuple[Index, list[Form], Spans | None]:
         """Return bounded sets one period later with the range of a port; conclude the others."""
         after, span = self._period(now, k, port)
         lost = np.broadcast_to(self.numbers.lost, which.shape) | ~_finite(after)
         for i in which[lost]:
-            found[int(i)] = Followed(k, self.numbers.why or "its sets have no bound")
+            results[int(i)] = Followed(k, self.numbers.why or "its sets have no bound")
         which, now = _selected(which, self.numbers.fewer(after, MOST_SYMBOLS), ~lost)
         return which, now, None if span is None else span[~lost]
 

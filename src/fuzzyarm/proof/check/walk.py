@@ -363,8 +363,9 @@ class ProgramWalk:
         self._after[f"before:{label}"] = measurements[of]
         value = numbers.number(0.0)
         if not self._first:
-            way = numbers.apply("subtract", [measurements[of], before])
-            steep = numbers.apply("divide", [way, numbers.number(h)])
+            # First-order filter, implicit Euler: s + (steep - s) h / (T + h), time constant T.
+            change = numbers.apply("subtract", [measurements[of], before])
+            steep = numbers.apply("divide", [change, numbers.number(h)])
             gap = numbers.apply("subtract", [steep, slope])
             share = numbers.apply("divide", [numbers.number(h), numbers.number(constant + h)])
             value = numbers.apply("add", [slope, numbers.apply("multiply", [gap, share])])
@@ -463,13 +464,13 @@ def _names_of_states(program: ControllerCode, signals: Sequence[Address]) -> dic
         for k, (operator, _, _, b, _) in enumerate(instructions)
         if operator == code.LIMIT
     }
-    names, found, last = Names(), dict[int, str](), set(program.last.values())
+    names, cell_names, last = Names(), dict[int, str](), set(program.last.values())
 
     def name(cell: int, suffix: str, at: int) -> None:
         axis, base = signals[at]
-        if cell not in found:
+        if cell not in cell_names:
             stem = names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
-            found[cell] = f"state:{axis}:{stem}"
+            cell_names[cell] = f"state:{axis}:{stem}"
 
     for at, (operator, _, a, b, _) in enumerate(instructions):
         if operator == code.COPY and a in last:
@@ -482,7 +483,7 @@ def _names_of_states(program: ControllerCode, signals: Sequence[Address]) -> dic
             for cell in _fetched(program, a).values():
                 if cell in limits:
                     name(cell, "excess", limits[cell])
-    return found
+    return cell_names
 
 
 def _limits(node: Apply) -> tuple[Node, float, float] | None:

@@ -40,20 +40,17 @@ ORDER, LEAST_ORDER = 6, 2
 MOST_SYMBOLS = 40
 """Symbols per state, besides those of the first box and of the parameters."""
 
-MOST_PARTS = 16
-"""Most steps of one control period."""
+MOST_PARTS, CORNER_PARTS = 16, 8
+"""Most steps of one control period; of one with a corner, in steps of first order."""
 
 LARGE, SMALL = 1e-3, 1e-5
-"""Largest remainder of a series relative to the radius, and the size at which effort is reduced."""
+"""Remainder of a series relative to the radius: the largest, and one at which effort is reduced."""
 
 FLOOR = 1e-5
-"""Least radius for that, relative to the largest magnitude of a state so far."""
+"""Least radius in that ratio, relative to the largest magnitude of a state so far."""
 
 SAME_TIME = 1e-9
 """Tolerance of equal times, in control periods: multiples of a period are rounded."""
-
-CORNER_PARTS = 8
-"""The same for a period with a corner, and steps of first order."""
 
 
 class Demand(NamedTuple):

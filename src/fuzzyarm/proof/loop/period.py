@@ -172,9 +172,9 @@ class LoopPeriod(Generic[T]):
             if not self._first:
                 # First-order filter, implicit Euler: s + (steep - s) h / (T + h), time constant T.
                 steep = algebra.divide(algebra.subtract(source, before), algebra.number(period))
-                way = algebra.multiply(algebra.subtract(steep, slope), algebra.number(period))
-                way = algebra.divide(way, algebra.number(sensor.difference + period))
-                value = algebra.add(slope, way)
+                step = algebra.multiply(algebra.subtract(steep, slope), algebra.number(period))
+                step = algebra.divide(step, algebra.number(sensor.difference + period))
+                value = algebra.add(slope, step)
             self._after[f"{label} sensed slope"] = value
         if sensor.resolution:
             port = self.problem.site.interface.outputs[address]

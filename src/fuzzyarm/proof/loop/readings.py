@@ -232,7 +232,6 @@ def _steep_root(x: Forms) -> Forms:
     """Return the root of a nonnegative quantity, even if its form contains negative numbers.
 
     √x - a x rises from 0 to its maximum 1/(4a) and falls: the minimum is at 0 or at the end.
-
     """
     bounds = x.bounds
     if (bounds.low > 0.0).all():

@@ -42,31 +42,31 @@ class Proposal:
 
     choice: Assumptions  # the assumptions
     form: Form  # the loop under them
-    found: Candidate  # P and multipliers
+    candidate: Candidate  # P and multipliers
     rate: Fraction = Fraction(0)  # relative fall of V per period
     parts: tuple[Form, ...] = ()  # the loop in each cone
 
     @property
     def size(self) -> float:
         """Size of its region."""
-        return self.found.size
+        return self.candidate.size
 
     def region(self, *, continuous: bool) -> RegionProof:
         """Return the region for a certificate."""
-        form, found = self.form, self.found
+        form, chosen = self.form, self.candidate
         assert form.evidence is not None
         return RegionProof(
-            form.evidence, continuous, found.p, found.multipliers, self.rate, form.names,
-            found.cones, found.growth,
+            form.evidence, continuous, chosen.p, chosen.multipliers, self.rate, form.names,
+            chosen.cones, chosen.growth,
         )  # fmt: skip
 
     def refutation(self) -> str:
         """Return why the forms of the search do not prove it; empty if they do."""
-        system, found = self.form.system, self.found
-        if not found.cones:
-            return refutation(system, found.p, found.multipliers, self.rate)
+        system, chosen = self.form.system, self.candidate
+        if not chosen.cones:
+            return refutation(system, chosen.p, chosen.multipliers, self.rate)
         systems = [part.system for part in self.parts]
-        pairs = list(zip(systems, found.cones, strict=True))
+        pairs = list(zip(systems, chosen.cones, strict=True))
         return refutation_of_cones(system, pairs, self.region(continuous=False))
 
 
@@ -210,11 +210,11 @@ class _Search:
             return
         low, high, at = len(SHARES), -1, len(SHARES) - 1  # from rest outward as far as it holds
         while high < at < low and not self.stop.now:
-            found = None
+            proposal = None
             choice = Assumptions(SHARES[at], self.grips[0], {}, along=False)
-            for found in self._tried_in_cones(choice):
-                yield found
-            if isinstance(found, Proposal):
+            for proposal in self._tried_in_cones(choice):
+                yield proposal
+            if isinstance(proposal, Proposal):
                 low = at
             elif low == len(SHARES):
                 return
@@ -232,8 +232,8 @@ class _Search:
         except (NotAffineError, UnprovableError, LoopProofError) as error:
             yield str(error)
             return
-        for found in cone_candidates(form, parts, self.stop) if parts else ():
-            yield Proposal(choice, form, found, parts=tuple(parts))
+        for solution in cone_candidates(form, parts, self.stop) if parts else ():
+            yield Proposal(choice, form, solution, parts=tuple(parts))
 
     def _looser(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
         """Yield proposals with limits reached, if the region ends at them."""
@@ -357,7 +357,7 @@ class _Search:
             elif best is None or candidate_proposal.size > best.size:
                 best, low = candidate_proposal, scale
                 # The region may have another shape than the box, which shrinks to its reach.
-                axes = _half_axes(candidate_proposal.found.p, candidate_proposal.form)
+                axes = _half_axes(candidate_proposal.candidate.p, candidate_proposal.form)
                 shape = {n: min(x, 1.05 * axes[n] / scale) for n, x in shape.items()}
             else:
                 break

@@ -32,7 +32,6 @@ from fuzzyarm.symbolic.operations import Interval
 AT_ONCE = 64
 """Boxes followed side by side."""
 
-
 PARAMETERS_FIRST = 3
 """Halvings of parameters before those of starts, for boxes without an enclosure."""
 
@@ -267,8 +266,8 @@ class _Bisection:
                     unfollowed += group
                     halved = []
                 for box in halved:
-                    way = self._dimension(box, weights[:, group.index(box)], lost=course is None)
-                    waiting += box.halves(way)
+                    weight = weights[:, group.index(box)]
+                    waiting += box.halves(self._dimension(box, weight, lost=course is None))
                     count += 1
             if self.progress is not None:
                 self.progress(self.done, len(waiting))
