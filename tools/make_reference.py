@@ -168,14 +168,12 @@ _KINDS = {
 
 def formats_page() -> str:
     """Return the page of formats with the names of today's kinds in other programs."""
-    rows = [
-        f"| {sort} | `{kind.name}` | {' | '.join(cells)} |"
-        for sort, kinds in _KINDS.items()
-        for kind in kinds.values()
-        if not kind.own
-        if set(cells := [_foreign_name(kind.names.get(key, "")) for key in _FOREIGN.values()])
-        != {"–"}
-    ]
+    rows = []
+    for sort, kinds in _KINDS.items():
+        for kind in (each for each in kinds.values() if not each.own):
+            names = [_foreign_name(kind.names.get(key, "")) for key in _FOREIGN.values()]
+            if set(names) != {"–"}:
+                rows.append(f"| {sort} | `{kind.name}` | {' | '.join(names)} |")
     text = (REFERENCE / "formats.md").read_text("utf-8")
     return _with_rows(text, f"| kind | here | {' | '.join(_FOREIGN)} |", rows)
 
