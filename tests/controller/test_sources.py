@@ -191,12 +191,12 @@ def settings_of(kind, *, every):
     }
 
 
-def values_of(kind, options, xs):
+def values_of(kind, options, xs, period=NEAR.period):
     """Return the values that the update and the next states of a record give."""
-    kind = kind.sized(options, NEAR.period)
+    kind = kind.sized(options, period)
     names = [state.name for state in kind.states]
     states = dict(zip(names, kind.starts(options), strict=True))
-    loop = {"period": NEAR.period, "last": 0.0, "excess": 0.0, "gain": 1.0}
+    loop = {"period": period, "last": 0.0, "excess": 0.0, "gain": 1.0}
     for k, x in enumerate(xs):
         known = {**kind.settings(options), **loop, **states, "x": x}
         known["last"] = float(k % NEAR.every == NEAR.every - 1)
@@ -230,6 +230,27 @@ def test_a_linear_one_doubles_with_its_operand(word, shares):
     options = settings_of(kind, every=False)
     twice = values_of(kind, options, [2.0 * x for x in xs])
     assert list(twice) == [2.0 * value for value in values_of(kind, options, xs)]
+
+
+EIGHTHS = [0.125 * round(8.0 * x) for x in COURSE]  # exact, also with a constant added
+
+
+@pytest.mark.parametrize("word", UPDATED)
+def test_its_unit_has_the_seconds_of_its_record(word):
+    kind = SOURCES[word]
+    options = settings_of(kind, every=False)
+    quarters = {k: 4.0 * v if kind.options[k].accepts == "time" else v for k, v in options.items()}
+    found = list(values_of(kind, quarters, EIGHTHS, 4.0 * NEAR.period))  # quarters of a second
+    assert found == [4.0**kind.seconds * value for value in values_of(kind, options, EIGHTHS)]
+    assert any(found)
+
+
+@pytest.mark.parametrize("word", [word for word in UPDATED if SOURCES[word].of == "signal"])
+def test_a_difference_alone_stays_where_its_operand_is_shifted(word):
+    kind = SOURCES[word]
+    options = settings_of(kind, every=False)
+    shifted = values_of(kind, options, [x + 8.0 for x in EIGHTHS])
+    assert (list(shifted) == list(values_of(kind, options, EIGHTHS))) == kind.difference
 
 
 @pytest.mark.parametrize("word", WORDS)

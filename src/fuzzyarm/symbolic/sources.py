@@ -14,9 +14,10 @@ To add a source
 2. Add one ``kind(…)`` to `_register`, or call :func:`source` from a program of your own.
 3. Add its line to the table of ``docs/reference/controllers.md``, and the same in plain Python to
    ``ORACLES`` of ``tests/controller/test_texts.py``.
-4. Run ``pytest tests/controller/test_texts.py tests/controller/test_sources.py``: the second takes
-   every record through the language, both kinds of loop, what it states of range, pace and
-   linearity, proofs, describing functions, diagrams and exports.
+4. Run ``pytest --update-golden tests/lsp`` for the grammar of the editor, then ``pytest
+   tests/controller/test_texts.py tests/controller/test_sources.py``: the second takes every record
+   through the language, both kinds of loop, what it states of range, pace, linearity and unit,
+   proofs, describing functions, diagrams and exports.
 
 Without ``bounds`` the range follows from the update. A proof encloses the update, or refuses it
 by the name of the operation that it cannot enclose.
