@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.control.loop.metrics import FORMULAS, Metrics
+from fuzzyarm.control.loop.metrics import FORMULAS, METRIC_KINDS, Metrics, metrics_of
 from fuzzyarm.inference.infer import DEFAULT_TOLERANCE
 from fuzzyarm.language.statements import TABLE_MODES, VERBS
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
@@ -91,6 +91,36 @@ def test_a_formula_is_the_metric(name, file, reference, lesson):
     value = eval(formulas()[name], {"__builtins__": {}}, known)
     metric = getattr(next(iter(run.metrics.values())), name)
     assert math.isclose(float(value), metric, rel_tol=1e-9, abs_tol=1e-12), (value, metric)
+
+
+SCALES = {"error": 2, "drive": 4, "every": 4}
+TIME = 8
+
+
+@pytest.mark.parametrize("name", sorted(set(METRIC_KINDS) - WITHOUT_SAMPLES))
+def test_a_metric_grows_as_its_unit(name):
+    time = 0.0625 * np.arange(200)
+    errors = np.where(time > 0, np.exp(-time) * np.cos(3.0 * time), 0.0)
+    drives = np.round(8.0 * errors)[:, None]
+
+    def value(error, drive, seconds):
+        return getattr(
+            metrics_of(
+                seconds * time, error * (time > 0), error * errors, drive * drives,
+                [(-8.0 * drive, 6.0 * drive)], seconds * 0.0625,
+            ),
+            name,
+        )  # fmt: skip
+
+    symbol = METRIC_KINDS[name].symbol.replace("^", "**").replace(" ", "*").format(**SCALES)
+    factor = eval(symbol or "1", {"s": TIME})
+    assert value(2, 4, TIME) == pytest.approx(factor * value(1, 1, 1), rel=1e-12)
+    assert value(1, 1, 1) != 0.0
+
+
+def test_a_unit_in_words_has_one_symbol():
+    pairs = {(kind.unit, kind.symbol) for kind in METRIC_KINDS.values()}
+    assert len(pairs) == len(dict(pairs)) == len({symbol for _, symbol in pairs})
 
 
 def test_what_expect_and_prove_say_is_complete():

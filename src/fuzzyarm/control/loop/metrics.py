@@ -1,8 +1,10 @@
 """Metrics of a run: accuracy, speed, chatter, effort.
 
-To add a metric: a field of :class:`Metrics`, its record in ``METRIC_KINDS``, and a row of the table
-in ``docs/tutorial/5-a-controller.md``. ``docs/reference/metrics.md`` is generated (``pytest
---update-golden``), and a test evaluates the formula. It is then also a cost of ``tune``.
+To add a metric: a field of :class:`Metrics`, its record in ``METRIC_KINDS`` and a row of the table
+in ``docs/tutorial/5-a-controller.md``, all in one order. ``pytest --update-golden tests/docs``
+renews the pages that print all metrics; ``pytest tests/docs/test_metrics_page.py
+tests/controller/test_not_a_number.py`` evaluates formula and unit, and runs without a sample. The
+metric is then also a cost of ``tune``.
 
 A metric over every control period, which samples lack, first needs
 
