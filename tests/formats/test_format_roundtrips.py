@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 
 import pytest
@@ -20,6 +20,7 @@ from fuzzyarm.exchange.formats.drafts import maximum_of_nothing
 from fuzzyarm.exchange.formats.recovery import straight_shape
 from fuzzyarm.exchange.formats.shapes import fuzzylite_shape
 from fuzzyarm.inference import InferenceError, infer
+from fuzzyarm.language import parse as frb
 from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
@@ -482,3 +483,39 @@ def test_foreign_texts_stay_text_in_every_format(text, suffix, producer):
         assert values[1] == pytest.approx(values[0], abs=0.05)  # 101 samples of others
     if found.name != text:
         assert "changed-text" in {diagnostic.name for diagnostic in exported.diagnostics}
+
+
+FILLED = """rulebase r "all that may be left out"
+input a 0 .. 1
+output u 0 .. 1
+terms a, u: triangles L H
+rule if a is L then u is H
+rule if a is H then u is L
+lookup
+  levels 0 1
+expect a = 0 -> u > 0
+prove u covered
+tune
+  peaks a
+"""
+MAY_LACK = {
+    each.name: each.default
+    for each in fields(RuleBase)
+    if each.default is not MISSING and each.name not in ("inputs", "outputs", "blocks")
+}
+"""Field of a rule base → its value without it."""
+
+
+@pytest.mark.parametrize(("suffix", "producer"), [
+    (suffix, producer) for suffix, producers in PRODUCERS.items() for producer in producers
+])  # fmt: skip
+@pytest.mark.parametrize("field", MAY_LACK)
+def test_a_part_of_a_rule_base_is_written_or_left_out_by_name(suffix, producer, field):
+    whole = frb(FILLED).rulebase
+    assert getattr(whole, field) != MAY_LACK[field], "FILLED lacks it"
+    bare = replace(whole, **MAY_LACK)
+    one = replace(bare, **{field: getattr(whole, field)})
+    said = [write(model, suffix, producer=producer, lossy=True) for model in (bare, one)]
+    found = parse(said[1].text, suffix, producer=producer, lossy=True).rulebase
+    is_named = len(said[1].diagnostics) > len(said[0].diagnostics)
+    assert is_named == (getattr(found, field) != getattr(one, field))

@@ -12,7 +12,8 @@ of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``. A field of the m
 statement fills is written by ``_sections`` of :mod:`fuzzyarm.language.writer`, drawn in
 ``tests/strategies.py`` (``tests/language/test_round_trips.py`` names a field that is not, and finds
 what is not written), built again in ``tests/python/test_builder.py``, and a loss in
-``note_left_out`` of :mod:`fuzzyarm.exchange.formats.system_writer`; a setting of tables is one of
+``note_left_out`` of :mod:`fuzzyarm.exchange.formats.system_writer`
+(``tests/formats/test_format_roundtrips.py`` finds a silent one); a setting of tables is one of
 the fields of ``Lookup``, and an option of ``compile`` in :mod:`fuzzyarm.requests.making`.
 
 Further steps: a section with an example in ``docs/reference/language.md``, which the tests parse; a

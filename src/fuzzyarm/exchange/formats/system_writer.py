@@ -399,6 +399,8 @@ def note_left_out(
     if rulebase.properties:
         count = len(rulebase.properties)
         findings.info("dropped-properties", f"{counted(count, '`prove` line')} left out")
+    if rulebase.tuning is not None:
+        findings.info("dropped-tuning", "the `tune` lines are left out")
     variables = (*rulebase.inputs, *rulebase.outputs)
     described = any(v.description for v in variables) or bool(rulebase.description)
     if described and not descriptions:
