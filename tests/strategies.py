@@ -55,7 +55,7 @@ STRAIGHT = ("triangle", "trapezoid", "rectangle", "ramp", "points")
 SMOOTH = tuple(
     name for name, kind in SHAPES.items() if kind.fuzzy and not (kind.straight or kind.own)
 )
-MONOTONIC = ("ramp", "sigmoid", "s", "z", "concave", "arc")
+MONOTONIC = tuple(name for name, kind in SHAPES.items() if kind.inverse and not kind.own)
 SET_METHODS = tuple(
     name for name, record in DEFUZZIFIERS.items() if not (record.type2 or record.inverts)
 )

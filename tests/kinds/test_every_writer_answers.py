@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 from budget import crossed, part
-from strategies import numbers_of
+from strategies import MONOTONIC, numbers_of
 
 import fuzzyarm
 from fuzzyarm.base.errors import FuzzyarmError
@@ -40,7 +40,6 @@ def written(name: str) -> str:
 
 Case = tuple[tuple[str, str], dict[str, str]]
 SETS = [name for name, shape in SHAPES.items() if shape.fuzzy]
-MONOTONIC = ("ramp", "sigmoid", "z", "s", "concave", "arc")
 
 TEXT = """rulebase made
 input  a  -4 .. 4

@@ -24,10 +24,13 @@ figures for values, samples, straight lines and panels of curves.
 
 To add a defuzzifier
 --------------------
-One over the figures above is a record here, and a row in
-``tests/inference/test_defuzzifiers.py`` with a value worked out by hand: ``tests/kinds`` compares
-engines with each other. A new
-figure is a name in ``ASPECTS``; a ``DefuzzifierProgram`` of the kernel
+One over the figures above is a record here, a row in
+``tests/inference/test_defuzzifiers.py`` with a value worked out by hand (``tests/kinds`` compares
+engines with each other), and its name in ``docs/explanation/inference.md``
+(``tests/inference/test_inference_page.py``); ``pytest --update-golden tests/language tests/lsp``
+renews the table and the editor's grammar.
+
+A new figure is a name in ``ASPECTS``; a ``DefuzzifierProgram`` of the kernel
 (:mod:`fuzzyarm.inference.programs`), from which the exports print it; a record in ``WAYS`` of
 :mod:`fuzzyarm.proof.map.crisp` with its bounds, or it is refused by name; and a row of
 ``tests/inference/test_matrix.py`` and ``tests/proof/test_every_defuzzifier.py``.

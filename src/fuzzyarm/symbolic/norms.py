@@ -7,10 +7,11 @@ Fodor, *Contrapositive symmetry of fuzzy implications*, 1995 (nilpotent).
 To add a norm or a hedge
 ------------------------
 Add its record here, with its source; the rest follows as for shapes (:mod:`.shapes`). A norm
-has no parameters: fix them in its definition, which is symmetric to the bit and gives a for T(a, 1)
-and S(a, 0), rounding apart: write √(a² − (1 − b)(1 + b)), not √(a² + b² − 1). `dual` is the norm of
-the other sort that is 1 − T(1 − a, 1 − b), if there is one. ``docs/explanation/inference.md`` has
-a row for each. A new operation is a record of :mod:`.operations`.
+has no parameters: fix them in its definition, which is symmetric to the bit, and gives S(a, 0) = a
+exactly and T(a, 1) = a, rounding apart: write √(a² − (1 − b)(1 + b)), not √(a² + b² − 1). `dual` is
+the norm of the other sort that is 1 − T(1 − a, 1 − b), if there is one. By hand: its row in
+``docs/explanation/inference.md`` (``tests/inference/test_inference_page.py``). A new operation is a
+record of :mod:`.operations`.
 """
 
 from __future__ import annotations

@@ -16,9 +16,11 @@ derivatives, bounds, completion, hover and the tables of ``docs/reference/langua
 ``pytest --update-golden tests/language tests/lsp`` renews the page and the editor's grammar.
 ``tests/expression``, ``tests/kinds`` and all drawn rule bases (``tests/strategies.py``) include it
 automatically; some values, worked out by hand from the source, go into
-``tests/expression/test_definitions.py``. Its names in other programs are ``names`` of the record.
-By hand: in ``geometry/shapes.js`` of the page the corners of a straight one, and a handle for each
-number that is not a position (``WIDTHS``); then ``make designer``.
+``tests/expression/test_definitions.py``. Its names in other programs are ``names`` of the record;
+with an ``inverse`` it may be a consequent of Tsukamoto's method.
+By hand: in ``geometry/shapes.js`` of the page the corners of a straight one, a handle for each
+number that is not a position (``WIDTHS``) and the mirror image (``mirrorOf``); then ``make
+designer``. ``tests/designer/test_designer_server.py`` has numbers for each and compares.
 """
 
 from __future__ import annotations
