@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields, replace
 from decimal import Decimal
 
 import numpy as np
@@ -13,6 +14,7 @@ from fuzzyarm.apps.cli import main
 from fuzzyarm.base.numbers import evenly, short_levels
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
+from fuzzyarm.language.model.rulebase import Lookup, LookupAxis
 from fuzzyarm.table import (
     LookupTable,
     TableError,
@@ -322,6 +324,24 @@ def test_a_surface_that_lines_meet_needs_no_more_levels_than_its_kinks():
     kinked = JUMPS.replace("rectangle 0 3.7", "points (0, 1) (5, 0.1) (10, 0)")
     kinked = kinked.replace("rectangle 3.7 10", "points (0, 0) (5, 0.9) (10, 1)")
     assert smallest_even_grid(rulebase(kinked), None, 1e-9) == 3
+
+
+SETTINGS = {
+    "axes": Lookup((LookupAxis("a", (0.0, 1.0, 4.0)),)),
+    "round": Lookup(round=0.5),
+}
+"""By field, settings in which it counts."""
+
+
+@pytest.mark.parametrize("field", [each.name for each in fields(Lookup)])
+def test_a_table_states_each_setting_that_it_was_made_with(field):
+    lookup = SETTINGS[field]
+    without = replace(lookup, **{field: getattr(Lookup(), field)})
+    one, other = (
+        compile_table(replace(rulebase(LOPSIDED), lookup=each)) for each in (lookup, without)
+    )
+    stated = [replace(table, values=np.zeros(table.shape), provenance=()) for table in (one, other)]
+    assert stated[0] != stated[1]
 
 
 @given(st.floats(-1e4, 1e4), st.sampled_from([0.1, 0.5, 1.0, 0.25, 0.3, 0.001, 2.5, 10.0]))

@@ -7,11 +7,12 @@ import subprocess
 import sys
 import tracemalloc
 import zipfile
+from dataclasses import MISSING, fields
 
 import numpy as np
 import pytest
 from budget import cases
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, find, given, settings
 from table_strategies import tables
 
 from fuzzyarm.exchange.files import check_file
@@ -48,6 +49,15 @@ def test_every_format_reads_back_an_identical_table(tmp_path_factory, suffix, ta
     assert np.array_equal(np.signbit(back.values), np.signbit(table.values))
     assert back.axes == table.axes
     assert back.provenance == table.provenance
+
+
+@pytest.mark.parametrize(
+    ("name", "default"),
+    [(each.name, each.default) for each in fields(LookupTable) if each.default is not MISSING],
+)
+def test_every_setting_of_a_table_is_drawn(name, default):
+    drawn = settings(database=None, deadline=None, phases=[Phase.generate])
+    find(tables(), lambda table: getattr(table, name) != default, settings=drawn)
 
 
 @pytest.mark.parametrize("suffix", [".lut", ".csv", ".json", ".npz"])
