@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +21,15 @@ from fuzzyarm.proof.loop import StartMap, read_claim
 from fuzzyarm.proof.loop.algebra import Zonotopes
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import Intervals
-from fuzzyarm.proof.loop.follower import Box
+from fuzzyarm.proof.loop.follower import Box, Nearness
 from fuzzyarm.proof.loop.map_search import MapSearch, _remaining, map_starts
 from fuzzyarm.proof.loop.planes import RulePlanes
+from fuzzyarm.proof.loop.pool import Pool, _Swarm
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.start_map import MappedBox
 from fuzzyarm.proof.loop.symmetry import is_odd
 from fuzzyarm.proof.loop.zonotope import Forms
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.requests.prove import ProveRequest
 
@@ -179,6 +182,25 @@ def test_planes_of_cells_hold_all_values(name: str) -> None:
             slack = 1e-12 * (1.0 + np.abs(points).max())
             assert gaps.min() >= found.low[k] - slack
             assert gaps.max() <= found.high[k] + slack
+
+
+@pytest.mark.parametrize("low", [0.25, 0.3, 1e-3, -0.7])
+def test_a_set_halved_on_its_way_holds_all_starts_of_its_box(low: float) -> None:
+    problem = loop_of("servo.frb", "motor", f"position in {low!r} .. {low + 1e-9!r}")
+    nothing = np.zeros(1, dtype=np.int64)
+    pool = Pool(problem, lambda *_: Nearness(np.zeros(1), np.zeros((1, 1)), np.zeros(1)), 9, Stop())
+    states, constants = pool.follower._begun([pool.follower.first])
+    swarm = _Swarm(
+        states, constants, {}, [pool.follower.first], nothing, nothing, np.ones((1, 1)), nothing,
+        np.ones(1),
+    )  # fmt: skip
+    for _ in range(3):
+        swarm = pool._halved(swarm)
+        # By the symbol of the start: the remainder is rounding at the sample of the cut.
+        for k, box in enumerate(swarm.boxes):
+            centre = Fraction(swarm.states.centre[0, k])
+            far = Fraction(abs(swarm.states.parts[0, 0, k]))
+            assert centre - far <= Fraction(box.low[0]) < Fraction(box.high[0]) <= centre + far
 
 
 def test_a_window_names_states_and_has_a_width() -> None:

@@ -7,6 +7,7 @@ value), or when it is given up: it stalls, has no enclosure, or exceeds the hori
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -48,6 +49,10 @@ MOST_CUTS = 3
 
 UNCUT = 1.2
 """The same share of the goal for boxes given up instead of halved."""
+
+OVERLAP = 2.0**-49
+"""Overlap of both halves, for the rounding of the ends of a box and of its set: 8 units in the last
+place, times 8 for each halving before, since the middle of a set that overlaps is off by more."""
 
 HOPELESS = 2.0
 """Largest ratio of other width to width due to the starts, in a box halved on its way."""
@@ -358,18 +363,18 @@ class Pool:
         ways = np.array(
             [self.dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)]
         )
+        sides = [(box.low[way], box.high[way]) for box, way in zip(swarm.boxes, ways, strict=True)]
+        low, high = np.array(sides).T
+        over = OVERLAP * 8.0**swarm.cuts * np.maximum(-low, high) / (high - low)
         halves = []
         for upper in (False, True):
             half = swarm.part(np.arange(len(swarm.boxes)))
-            half.cuts = half.cuts + 1
             half.width = 0.5 * half.width
-            sign = 0.5 if upper else -0.5
-            half.states = _narrowed(half.states, ways, sign)
-            half.constants = {n: _narrowed(x, ways, sign) for n, x in half.constants.items()}
-            half.memory = {
-                n: _narrowed(x, ways, sign) if isinstance(x, Forms) else x
-                for n, x in half.memory.items()
-            }
+            cut = functools.partial(_narrowed, symbols_of=ways, over=over, upper=upper)
+            half.cuts = half.cuts + 1
+            half.states = cut(half.states)
+            half.constants = {n: cut(x) for n, x in half.constants.items()}
+            half.memory = {n: cut(x) if isinstance(x, Forms) else x for n, x in half.memory.items()}
             half.boxes = [
                 box.halves(way)[upper] for box, way in zip(half.boxes, ways.tolist(), strict=True)
             ]
@@ -381,16 +386,16 @@ class Pool:
         return int(np.argmax(weight + 1e-3 * weight.sum() * 0.5 ** np.array(box.halvings)))
 
 
-def _narrowed(x: Forms, symbols_of: NDArray[np.int64], sign: float) -> Forms:
-    """Return forms on one half of a symbol of each box: ε = ± ½ + ½ ε'."""
+def _narrowed(x: Forms, symbols_of: NDArray[np.int64], over: Vector, *, upper: bool) -> Forms:
+    """Return forms on one half of a symbol of each box, and a bit more: ε = ± ½ + (½ + over) ε'."""
     every = np.arange(len(symbols_of))
     index = (symbols_of, ..., every)
     if len(x.parts) <= int(symbols_of.max()):
         return x  # over none of them
-    halves = x.parts[index] * sign  # exact
+    halves = x.parts[index] * (0.5 if upper else -0.5)  # exact
     halves = np.moveaxis(halves, 0, -1)
     parts = x.parts.copy()
-    parts[index] = np.moveaxis(parts[index], -1, -1) * 0.5
+    parts[index] = (parts[index].T * (0.5 + over)).T
     centre = x.centre + halves
-    rest = x.rest + ROUNDING * np.abs(centre)
+    rest = x.rest + ROUNDING * (np.abs(centre) + np.abs(halves) * (1.0 + 2.0 * over))
     return Forms(centre, parts, rest * ENLARGED)
