@@ -188,6 +188,7 @@ def test_a_reference_is_enclosed_at_samples_and_between_them(signal, k, period, 
             inside = exactly(kind, numbers, (k + Fraction(part, 11)) * h, order)
             for low, high in (between, later):
                 assert _between(low, inside, high)
+        assert _between(later[0], value, later[1])  # held since before it counts, too
 
 
 def _between(low, x, high):
@@ -280,6 +281,17 @@ def test_a_tube_holds_all_runs_along_a_reference(loop, kind):
                 low, high = (x[rows, way.ports.index(name)] for x in bounds[name])
                 assert (low - 1e-9 <= found[: len(rows)]).all(), (words, name)
                 assert (found[: len(rows)] <= high + 1e-9).all(), (words, name)
+
+
+def test_an_error_is_that_of_a_held_reference_as_well(loop):
+    text, plant = loop("held")
+    claim = "while y follows ramp 0 by 4 at 0 s: error of y in -9 .. 9 during 0 .. 1 s"
+    way, _ = loop_tube(text, read_claim(claim, plant), 0.2, plant=find_plant(plant))
+    y, error = way.ports.index("y"), way.ports.index("error of y")
+    for k in range(1, 20):
+        held = 0.04 * (k - k % 4)
+        assert way.low_at[k, error] <= held - way.high_at[k, y]
+        assert way.high_at[k, error] >= held - way.low_at[k, y]
 
 
 @pytest.mark.slow(seconds=20)

@@ -32,9 +32,17 @@ def sampled_references(problem: LoopProblem, period: int) -> dict[Address, Numbe
 
 
 def reference_between(problem: LoopProblem, address: Address, period: int) -> Number:
-    """Return the range of a reference between two samples."""
+    """Return the range of a reference between two samples, and its value held since before."""
     if address not in problem.moved:
         return exact(problem.set_point[address])
+    way = _way_between(problem, address, period)
+    if problem.held_since(period) == period:
+        return way
+    return hull(way, sampled_references(problem, period)[address])
+
+
+def _way_between(problem: LoopProblem, address: Address, period: int) -> Number:
+    """Return the range of a reference between two samples, by its formula."""
     signal, order = problem.moved[address]
     begin, end = problem.time_of(period), problem.time_of(period + 1)
     # Constant up to a jump at the end.

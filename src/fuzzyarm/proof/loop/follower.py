@@ -340,11 +340,16 @@ class Follower:
         }
 
     def _with_errors(self, values: Intervals, begin: int, end: int) -> Intervals:
-        """Return ports with errors appended, with the references between two samples."""
+        """Return ports with errors appended, with the references between two samples.
+
+        A reference that is held since before counts as well: `simulate` has the errors from it.
+        """
         problem = self.problem
+        held = sampled_references(problem, begin) if problem.held_since(begin) < begin else {}
         for address in problem.errors:
             times = problem.time_of(begin), problem.time_of(end)
             reference = reference_between(problem, address, *times)
+            reference = reference.hull(held.get(address, reference))
             row = self.ports.index(address)
             values = _joined(values, reference - values[row : row + 1])
         return values
