@@ -7,6 +7,7 @@ import math
 import random
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -596,3 +597,82 @@ def test_slopes_that_nearly_cancel_are_not_proved_by_their_rounding(
     claim = "w falls with e" if steepest < 1e-16 else f"w slope e in -1 .. {bound!r}"
     assert prove(model, claim).verdict != "proved"
     assert prove(model, f"w slope e in -1 .. {float(steepest) * 1.01!r}").verdict == "proved"
+
+
+SETS = ((-1.0, -0.5, 0.5), (-0.25, 0.0, 0.5), (0.0, 0.5, 1.0))
+"""Triangles of the output of :func:`crossing`."""
+
+
+def crossing(low: float, high: float, rise: float, fall: float, steep: float) -> str:
+    """Return a rule base of which two heights cross at 0.5, in a thin cell where a third is steep.
+
+    Nowhere else have the slopes of all three the values that they have on both sides of 0.5.
+    """
+    terms = [
+        f"(0, {0.5 - 0.5 * rise!r}) (1, {0.5 + 0.5 * rise!r})",
+        f"(0, {0.5 + 0.5 * fall!r}) (1, {0.5 - 0.5 * fall!r})",
+        f"(0, 0.25) ({low!r}, 0.25) ({high!r}, {0.25 + steep * (high - low)!r}) (1, 0.25)",
+    ]
+    lines = ["rulebase crossing", "input e 0 .. 1", "output u -1 .. 1"]
+    lines += [f"term e T{i}: points {term}" for i, term in enumerate(terms)]
+    lines += [f"term u U{i}: triangle {a!r} {b!r} {c!r}" for i, (a, b, c) in enumerate(SETS)]
+    lines += [f"rule if e is T{i} then u is U{i}" for i in range(3)]
+    return "\n".join([*lines, "inference defuzzifier centroid", ""])
+
+
+def exact_height(corners: list[tuple[Fraction, Fraction]], x: Fraction) -> Fraction:
+    for (x0, y0), (x1, y1) in pairwise(corners):
+        if x0 <= x <= x1:
+            return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+    return Fraction(0)
+
+
+def exact_centroid(heights: list[Fraction]) -> Fraction:
+    """Return the centroid of the union of clipped :data:`SETS`, cut at every crossing."""
+    cut_sets = []
+    for corners, h in zip(SETS, heights, strict=True):
+        a, b, c = map(Fraction, corners)
+        nothing = Fraction(0)
+        cut_sets.append([(a, nothing), (a + (b - a) * h, h), (c - (c - b) * h, h), (c, nothing)])
+    ends = sorted({x for corners in cut_sets for x, _ in corners})
+    area = moment = Fraction(0)
+    for start, end in pairwise(ends):
+        at = [[exact_height(corners, x) for x in (start, end)] for corners in cut_sets]
+        shares = {Fraction(0), Fraction(1)}
+        for (p0, p1), (q0, q1) in combinations(at, 2):
+            if (p0 - q0) * (p1 - q1) < 0:
+                shares.add((p0 - q0) / (p0 - q0 - p1 + q1))
+        for s, t in pairwise(sorted(shares)):
+            x0, x1 = (start + (end - start) * share for share in (s, t))
+            y0, y1 = (max(p + (q - p) * share for p, q in at) for share in (s, t))
+            area += (x1 - x0) * (y0 + y1) / 2
+            moment += (x1 - x0) * (y0 * (2 * x0 + x1) + y1 * (x0 + 2 * x1)) / 6
+    return moment / area
+
+
+@given(
+    below=st.integers(1, 40),
+    above=st.integers(1, 40),
+    rise=st.sampled_from([0.5, 0.25, 0.125]),
+    fall=st.sampled_from([0.5, 0.25, 0.125]),
+    steep=st.sampled_from([-10.0, -3.0, -0.5, 0.5, 3.0, 10.0]),
+)
+@settings(max_examples=cases(15, 60), deadline=None)
+def test_two_heights_that_cross_in_a_thin_cell_have_both_slopes(
+    below: int, above: int, rise: float, fall: float, steep: float
+) -> None:
+    low, high = 0.5 - below * 2.0**-53, 0.5 + above * 2.0**-52
+    model = parse(crossing(low, high, rise, fall, steep)).rulebase
+    assert model is not None
+    start, middle, end = Fraction(low), Fraction(1, 2), Fraction(high)
+    third = Fraction(0.25 + steep * (high - low)) - Fraction(1, 4)
+
+    def value(e: Fraction) -> Fraction:
+        first, second = (e - middle) * Fraction(rise), (middle - e) * Fraction(fall)
+        share = (e - start) / (end - start)
+        return exact_centroid([middle + first, middle + second, Fraction(1, 4) + third * share])
+
+    bounds = Prover(model, "u").slope({}, "e")
+    for a, b in ((start, middle), (middle, end)):
+        secant = (value(b) - value(a)) / (b - a)
+        assert bounds.low <= secant <= bounds.high

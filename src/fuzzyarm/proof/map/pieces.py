@@ -59,9 +59,9 @@ SAME = 4e-15
 """Largest difference of two heights (0 to 1) that floats take for equal."""
 
 
-COARSE = 2**20
-"""Floats are exact on heights and shares that are whole multiples of 1 / COARSE: minimum, maximum,
-differences, and where an edge is cut."""
+COARSE = 2**12
+"""Floats are exact where weights, heights at the ends of a cell and shares of the cell are whole
+multiples of 1 / COARSE: a height then has 36 bits, the product that tests a new share 49."""
 
 
 class TooManyPiecesError(FuzzyarmError, ValueError):
@@ -270,6 +270,24 @@ class _Affine(NamedTuple):
     slopes: Array
 
 
+class _Comparison(NamedTuple):
+    """Two heights on some simplices, of which one counts."""
+
+    gap: Array  # their difference at the vertices
+    steep: Array  # whether their slopes differ by more than rounding; empty in rationals
+    coarse: bool = True  # whether floats are exact at vertices where they are for heights
+
+
+def _compared(first: _Affine, second: _Affine, arithmetic: Arithmetic) -> _Comparison:
+    gap = first.values - second.values
+    if arithmetic.exact:
+        return _Comparison(gap, np.zeros(0, dtype=bool))
+    # In shares of the cell: those of a thin cell are all small. Equal ones may differ by their
+    # rounding, for which quotients have room.
+    steepest = np.maximum(np.abs(first.slopes), np.abs(second.slopes))
+    return _Comparison(gap, any_of_rows(np.abs(first.slopes - second.slopes) > SAME * steepest))
+
+
 class Pieces:
     """Simplices on which every height is affine.
 
@@ -287,7 +305,9 @@ class Pieces:
         Of the heights, by cell coordinates.
     doubtful : ndarray of bool
         Pieces on which, or on a sliver of which, floats could not order two heights with
-        different slopes.
+        different slopes, or lost a slope to rounding.
+    sure : ndarray of bool, shape (pieces, vertices)
+        Vertices at which floats are exact, see :data:`COARSE`.
     count : int
         Number of pieces.
     """
@@ -332,6 +352,7 @@ class Pieces:
             for system in self.systems
             for rule in system.model.rules
         )
+        self._sure = np.repeat(self._coarse[:, None], dimension + 1, axis=1)
 
     @property
     def cell(self) -> Array:
@@ -358,6 +379,11 @@ class Pieces:
         """Pieces on which floats could not order two heights with different slopes."""
         return self._doubtful[: self.count]
 
+    @property
+    def sure(self) -> Array:
+        """Vertices at which floats are exact."""
+        return self._sure[: self.count]
+
     def _demand_few(self, count: int) -> None:
         if count > self.most:
             raise TooManyPiecesError(count, self.most)
@@ -369,7 +395,7 @@ class Pieces:
             return
         more = min(max(count, 2 * room), self.most) - room
         names = ("_cell", "_corners", "_heights", "_slopes", "_terms", "_doubtful", "_zeros")
-        for name in (*names, "_coarse"):
+        for name in (*names, "_coarse", "_sure"):
             array = getattr(self, name)
             grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
             grown[:room] = array
@@ -448,19 +474,18 @@ class Pieces:
         weight = self.arithmetic.number(rule.weight)
         shift, first, adds = system.shift, system.first, system.model.adds
 
-        def strength(which: Array, undecided: list[Array]) -> _Affine:
+        def strength(which: Array, undecided: list[_Comparison]) -> _Affine:
             truth = self._truth(rule.antecedent, which, shift, undecided)
             if rule.weight == 1:
                 return truth
             return _Affine(truth.values * weight, truth.slopes * weight)
 
-        def against(which: Array) -> list[Array]:
-            undecided: list[Array] = []
+        def against(which: Array) -> list[_Comparison]:
+            undecided: list[_Comparison] = []
             truth = strength(which, undecided)
-            if not adds:
-                undecided += [
-                    truth.values - self.heights[which, :, first + column] for column in rule.columns
-                ]
+            for column in () if adds else rule.columns:
+                so_far = self._height(first + column, which)
+                undecided.append(_compared(truth, so_far, self.arithmetic))
             return undecided
 
         which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
@@ -475,12 +500,13 @@ class Pieces:
                     total = self.slopes[which, :, first + column]
                     self._note_cancelled(which, total, self._terms[which, :, first + column], 8.0)
                 continue
-            affine = _Affine(
-                self.heights[which, :, first + column], self.slopes[which, :, first + column]
-            )
-            highest = self._chosen(affine, truth, which, largest=True)
+            so_far = self._height(first + column, which)
+            highest = _chosen(so_far, truth, largest=True)
             self.heights[which, :, first + column] = highest.values
             self.slopes[which, :, first + column] = highest.slopes
+
+    def _height(self, column: int, which: Array) -> _Affine:
+        return _Affine(self.heights[which, :, column], self.slopes[which, :, column])
 
     def may_fire(self, node: StraightAntecedent, shift: int) -> Array:
         """Return the pieces in whose cells an antecedent may be above 0."""
@@ -496,7 +522,7 @@ class Pieces:
         return np.asarray(together.reduce(parts))
 
     def _truth(
-        self, node: StraightAntecedent, which: Array, shift: int, undecided: list[Array]
+        self, node: StraightAntecedent, which: Array, shift: int, undecided: list[_Comparison]
     ) -> _Affine:
         """Return an antecedent on some pieces; collect undecided comparisons, innermost first."""
         dimension = self.corners.shape[2]
@@ -528,7 +554,7 @@ class Pieces:
         first: _Affine,
         second: _Affine,
         which: Array,
-        undecided: list[Array],
+        undecided: list[_Comparison],
     ) -> _Affine:
         """Return two operands under their norm; collect the comparison that decides."""
         if node.kind in {"bounded and", "bounded or"}:  # max(0, a + b − 1) and min(1, a + b)
@@ -541,24 +567,8 @@ class Pieces:
                 terms = np.abs(first.slopes) + np.abs(second.slopes)
                 self._note_cancelled(which, total.slopes, terms, 1.0)
             first, second = total, flat
-        undecided.append(first.values - second.values)
-        largest = node.kind in {"max", "bounded and"}
-        return self._chosen(first, second, which, largest=largest)
-
-    def _chosen(self, first: _Affine, second: _Affine, which: Array, *, largest: bool) -> _Affine:
-        """Return the larger or smaller of two heights that do not cross inside a piece."""
-        gap = first.values - second.values
-        values = (np.maximum if largest else np.minimum)(first.values, second.values)
-        takes_first = (sums_of_rows(gap) >= 0) == largest
-        slopes = np.where(takes_first[:, None], first.slopes, second.slopes)
-        if not self.arithmetic.exact:
-            unclear = greatest_of_rows(np.abs(gap)) <= 4 * SAME
-            # In shares of the cell: those of a thin cell are all small. Equal ones may differ by
-            # their rounding, for which quotients have room.
-            steepest = np.maximum(np.abs(first.slopes), np.abs(second.slopes))
-            differ = any_of_rows(np.abs(first.slopes - second.slopes) > SAME * steepest)
-            self.doubtful[which[unclear & differ]] = True
-        return _Affine(values, slopes)
+        undecided.append(_compared(first, second, self.arithmetic))
+        return _chosen(first, second, largest=node.kind in {"max", "bounded and"})
 
     def _note_cancelled(self, which: Array, total: Array, terms: Array, most: float) -> None:
         """Note pieces on which slopes cancel, so that the rounding of their terms counts."""
@@ -567,36 +577,45 @@ class Pieces:
 
     def _cut_at_layers(self, form: ClosedForm, first: int) -> None:
         """Cut where a height passes a level at which the aggregate changes form."""
-        number = self._level
-
-        def column(index: int, which: Array) -> Array:
-            return self.heights[which, :, first + index]
-
         for index, layers in enumerate(form.set_layers):
-            levels = [number(level) for level in _inner_levels(layers)]
+            levels = _inner_levels(layers)
 
-            def own_levels(ids: Array, index: int = index, levels: Any = levels) -> list[Array]:
-                return [column(index, ids) - level for level in levels]
+            def own_levels(ids: Array, index: int = index, levels: Any = levels) -> Any:
+                height = self._height(first + index, ids)
+                return [self._at_level(height, level) for level in levels]
 
-            which = np.flatnonzero(any_of_rows(self.heights[:, :, first + index] > 0))
-            self._refine(which, own_levels)
+            self._refine(np.flatnonzero(self.rises(first + index)), own_levels)
         for overlap in form.overlaps:
-            levels = [number(level) for level in _inner_levels(overlap.layers)]
-            members = (overlap.member, *overlap.others)
-            some = [any_of_rows(self.heights[:, :, first + m] > 0) for m in members]
+            levels = _inner_levels(overlap.layers)
+            some = [self.rises(first + m) for m in (overlap.member, *overlap.others)]
             which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
 
-            def against(ids: Array, overlap: Any = overlap, levels: Any = levels) -> list[Array]:
+            def against(ids: Array, overlap: Any = overlap, levels: Any = levels) -> Any:
                 undecided = []
-                above = column(overlap.others[0], ids)
+                above = self._height(first + overlap.others[0], ids)
                 for other in overlap.others[1:]:
-                    undecided.append(above - column(other, ids))
-                    above = np.maximum(above, column(other, ids))
-                own_degree = column(overlap.member, ids)
-                lower = np.minimum(own_degree, above)
-                return [*undecided, own_degree - above, *(lower - level for level in levels)]
+                    height = self._height(first + other, ids)
+                    undecided.append(_compared(above, height, self.arithmetic))
+                    above = _chosen(above, height, largest=True)
+                own = self._height(first + overlap.member, ids)
+                undecided.append(_compared(own, above, self.arithmetic))
+                lower = _chosen(own, above, largest=False)
+                return [*undecided, *(self._at_level(lower, level) for level in levels)]
 
             self._refine(which, against)
+
+    def rises(self, column: int) -> Array:
+        """Return the pieces on which a height is not 0 throughout, if only by its slope."""
+        some = any_of_rows(self.heights[:, :, column] > 0)
+        if self.arithmetic.exact:
+            return some
+        # Floats round 1 − x to 0 where x is next to 1.
+        return np.asarray(some | any_of_rows(self.slopes[:, :, column] != 0))
+
+    def _at_level(self, height: _Affine, level: Fraction) -> _Comparison:
+        flat = _Affine(0 * height.values + self._level(level), 0 * height.slopes)
+        comparison = _compared(height, flat, self.arithmetic)
+        return comparison._replace(coarse=(level * COARSE).denominator == 1)
 
     def _level(self, level: Fraction) -> Any:
         """Return a level; of one that is no float the next one, so that no height is just there."""
@@ -622,13 +641,14 @@ class Pieces:
         return np.asarray(total)
 
     def cut_at_form(self, weights: Sequence[Fraction]) -> None:
-        """Cut where a sum of the inputs is 0."""
+        """Cut where a sum of the inputs is 0; in rationals only."""
+        nothing = np.zeros(0, dtype=bool)
         self._refine(
             np.arange(self.count),
-            lambda which: [self.form_at(weights, which, self.corners[which])],
+            lambda ids: [_Comparison(self.form_at(weights, ids, self.corners[ids]), nothing)],
         )
 
-    def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
+    def _refine(self, which: Array, undecided_on: Callable[[Array], list[_Comparison]]) -> Array:
         """Cut pieces until no difference has both signs on one; return all pieces."""
         parts: list[Array] = []
         self._zeros[: self.count] = 0
@@ -636,18 +656,17 @@ class Pieces:
             self.stop.check(self.count)
             # The first mixed difference is cut first: later ones are affine only once it is
             # decided.
-            differences = undecided_on(which)
-            if not self.arithmetic.exact:
-                differences = [self._cleared(x, which, k) for k, x in enumerate(differences)]
+            comparisons = undecided_on(which)
+            gaps = [self._cleared(each.gap, which, k) for k, each in enumerate(comparisons)]
             cuts = np.full(len(which), -1)
-            for number, gap in enumerate(differences):
+            for number, gap in enumerate(gaps):
                 cuts = np.where((cuts < 0) & self._is_mixed(gap), number, cuts)
             parts.append(which[cuts < 0])
-            if not self.arithmetic.exact:
-                self._note_slivers(which, differences, cuts < 0)
+            for number, each in enumerate(() if self.arithmetic.exact else comparisons):
+                self._note_slivers(which, each._replace(gap=gaps[number]), number, cuts < 0)
             following = [
-                self._split(which[selection], differences[number][selection], number)
-                for number in range(len(differences))
+                self._split(which[selection], each._replace(gap=gaps[number][selection]), number)
+                for number, each in enumerate(comparisons)
                 if (selection := np.flatnonzero(cuts == number)).size
             ]
             which = np.concatenate(following) if following else np.zeros(0, dtype=int)
@@ -655,23 +674,23 @@ class Pieces:
 
     def _cleared(self, gap: Array, which: Array, number: int) -> Array:
         """Return a difference without the rounding at vertices that were cut where it is 0."""
+        if self.arithmetic.exact:
+            return gap
         return np.where(self._zeros[which] & _bit(number), 0.0, gap)
 
-    def _note_slivers(self, which: Array, differences: Sequence[Array], decided: Array) -> None:
-        """Note decided pieces that may have a sliver in which a difference has its other sign.
+    def _note_slivers(
+        self, which: Array, comparison: _Comparison, number: int, decided: Array
+    ) -> None:
+        """Note decided pieces of which a sliver may have the other height, with another slope.
 
-        Its sign at a vertex is unknown if it is next to 0 there, unless the vertex was cut where it
-        is 0, or floats are exact there.
+        The sign of a difference at a vertex is unknown if it is next to 0 there, unless the vertex
+        was cut where it is 0 (the sibling has the other height), or floats are exact there.
         """
-        doubtful = np.zeros(len(which), dtype=bool)
-        shares = self.corners[which] * COARSE
-        exact = (shares == np.rint(shares)).all(axis=2) & self._coarse[which][:, None]
-        for number, gap in enumerate(differences):
-            near = np.abs(gap) <= SAME
-            unknown = near & ~(exact & (gap == 0.0)) & ((self._zeros[which] & _bit(number)) == 0)
-            # Where it is next to 0 at all vertices, `_chosen` looks at both slopes.
-            doubtful |= any_of_rows(unknown) & ~near.all(axis=1)
-        self.doubtful[which[doubtful & decided]] = True
+        known = (self._zeros[which] & _bit(number)) != 0
+        if comparison.coarse:
+            known |= self._sure[which]
+        unknown = any_of_rows((np.abs(comparison.gap) <= SAME) & ~known)
+        self.doubtful[which[unknown & comparison.steep & decided]] = True
 
     def _is_mixed(self, gap: Array) -> Array:
         low, high = least_of_rows(gap), greatest_of_rows(gap)
@@ -679,28 +698,47 @@ class Pieces:
             return np.asarray((low < 0) & (high > 0))
         return np.asarray((low < -SAME) & (high > SAME))
 
-    def _split(self, which: Array, gap: Array, number: int) -> Array:
+    def _split(self, which: Array, comparison: _Comparison, number: int) -> Array:
         """Cut each piece in two where a difference is 0 on one of its edges."""
+        gap = comparison.gap
         rows = np.arange(len(which))
         above, below = gap.argmax(axis=1), gap.argmin(axis=1)
-        share = gap[rows, above] / (gap[rows, above] - gap[rows, below])
+        span = gap[rows, above] - gap[rows, below]
+        share = gap[rows, above] / span
         start, end = self.count, self.count + len(which)
         self._make_room(end)
         self.count = end
+        middles = []
         for values in (self._corners, self._heights):
             a, b = values[which, above], values[which, below]
             # The new vertex replaces `below` in the new piece, `above` in the old one.
-            middle = a + share[:, None] * (b - a)
+            middles.append(a + share[:, None] * (b - a))
             values[start:end] = values[which]
-            values[start + rows, below] = middle
-            values[which, above] = middle
-        zeros = self._zeros
+            values[start + rows, below] = values[which, above] = middles[-1]
+        zeros, sure = self._zeros, self._sure
         both = zeros[which, above] & zeros[which, below] | _bit(number)
-        zeros[start:end] = zeros[which]
-        zeros[start + rows, below] = zeros[which, above] = both
+        exact = sure[which, above] & sure[which, below]
+        if not self.arithmetic.exact and comparison.coarse:
+            exact &= _is_coarse(share) & (share * span == gap[rows, above])
+            exact &= _is_coarse(middles[0]).all(axis=1)
+        for values, middle in ((zeros, both), (sure, exact & comparison.coarse)):
+            values[start:end] = values[which]
+            values[start + rows, below] = values[which, above] = middle
         for inherited in (self._cell, self._slopes, self._terms, self._doubtful, self._coarse):
             inherited[start:end] = inherited[which]
         return np.concatenate([which, np.arange(start, end)])
+
+
+def _chosen(first: _Affine, second: _Affine, *, largest: bool) -> _Affine:
+    """Return the larger or smaller of two heights that do not cross inside a piece."""
+    values = (np.maximum if largest else np.minimum)(first.values, second.values)
+    takes_first = (sums_of_rows(first.values - second.values) >= 0) == largest
+    return _Affine(values, np.where(takes_first[:, None], first.slopes, second.slopes))
+
+
+def _is_coarse(shares: Array) -> Array:
+    scaled = shares * COARSE
+    return np.asarray(scaled == np.rint(scaled))
 
 
 def _bit(number: int) -> int:

@@ -138,7 +138,7 @@ class QuotientSearch:
         gap = arithmetic.number(Fraction(self.gap * share))
         quotients = problem.make(surface)
         shift = surface.centre if shifted else arithmetic.number(Fraction(0))
-        doubtful = self._doubtful(problem, surface)
+        doubtful = self._doubtful(problem, surface, quotients)
         searched = {
             sign: maximise(
                 (quotients if sign == 1 else quotients.negated()).without(doubtful), gap, self.stop
@@ -230,7 +230,7 @@ class QuotientSearch:
                 break
             centre = as_fraction(surface.centre) if shifted else Fraction(0)
             limit = bound + centre if negated else bound - centre
-            doubtful = self._doubtful(problem, surface)
+            doubtful = self._doubtful(problem, surface, quotients)
             oriented = (quotients.negated() if negated else quotients).without(doubtful)
             margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
             least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
@@ -270,9 +270,10 @@ class QuotientSearch:
         return Claim(None, {}, count, False)
 
     @staticmethod
-    def _doubtful(problem: QuotientProblem, surface: Surface) -> Array:
-        doubtful = surface.pieces.doubtful
-        return doubtful if problem.steep else np.zeros_like(doubtful)
+    def _doubtful(problem: QuotientProblem, surface: Surface, quotients: Quotients) -> Array:
+        """Return the pieces for which floats are no evidence."""
+        unsure = surface.unsure_zeros(quotients)
+        return unsure | surface.pieces.doubtful if problem.steep else unsure
 
     def _as_bounds(
         self, ends: list[tuple[int, Any, Any, dict[str, Fraction]]], shift: Any, pieces: int, *,

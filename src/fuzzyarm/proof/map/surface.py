@@ -27,7 +27,6 @@ from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.proof.map.arithmetic import (
     Arithmetic,
     Array,
-    any_of_rows,
     greatest_of_rows,
     sums_of_rows,
 )
@@ -281,6 +280,19 @@ class Surface:
         """Return the pieces on which floats cannot decide whether a rule fires everywhere."""
         return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 
+    def unsure_zeros(self, quotients: Quotients) -> Array:
+        """Return the pieces at a vertex of which a denominator is 0 by rounding, maybe."""
+        unsure = np.zeros(self.pieces.count, dtype=bool)
+        if self.arithmetic.exact:
+            return unsure
+        ends = list(vertices_of(self.dimension, quotients.degree))
+        zero = quotients.lower[:, ends] == 0
+        rows = np.flatnonzero(zero.any(axis=1))
+        owner = quotients.owner[rows]
+        sure = self.pieces.sure[owner] & (self._fired(valued=True)[owner] == 0)
+        unsure[owner[(zero[rows] & ~sure).any(axis=1)]] = True
+        return unsure
+
     def _fired(self, *, valued: bool) -> Array:
         if not self.model.multiplies:
             counts = self._counts(valued=valued)
@@ -381,7 +393,7 @@ class Surface:
             column: np.ascontiguousarray(chunk[:, :, first + column])
             for column in range(self.model.columns)
         }
-        positive = {column: any_of_rows(heights > 0) for column, heights in columns.items()}
+        positive = {column: self.pieces.rises(first + column)[which] for column in columns}
         lattice = {  # once per column: overlaps need the same again
             column: heights @ points.T
             for column, heights in columns.items()
@@ -470,7 +482,7 @@ class Surface:
             return
         first = self.pieces.systems[system].first
         for column in range(self.model.columns):
-            rows = np.flatnonzero(any_of_rows(self.pieces.heights[which, :, first + column] > 0))
+            rows = np.flatnonzero(self.pieces.rises(first + column)[which])
             if rows.size:
                 height, slope = self._heights(which[rows], points, first + column)
                 yield column, rows, height, slope[:, None, :], None
