@@ -12,7 +12,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -100,6 +100,8 @@ class EvaluatedController:
         for name, value in vars(self.controller).items():
             if isinstance(value, array) and value.typecode == "f":  # which returns doubles
                 setattr(self.controller, name, list(map(np.float32, value)))
+        state = vars(self.controller)
+        self._arrays = [name for name, value in state.items() if isinstance(value, array | list)]
 
     def value(self, symbol: str) -> float:
         """Return a variable of the state by its symbol; NaN for any other."""
@@ -107,7 +109,8 @@ class EvaluatedController:
 
     def after(self, symbols: Sequence[str], *ports: float) -> tuple[list[float], tuple[float, ...]]:
         """Return variables of the state, and the drives, of a period that does not count."""
-        before = {name: copy(value) for name, value in vars(self.controller).items()}
+        before = dict(vars(self.controller))
+        before |= {name: copy(before[name]) for name in self._arrays}
         drives = self.step(*ports)
         found = [self.value(symbol) for symbol in symbols]
         vars(self.controller).update(before)
@@ -203,16 +206,20 @@ def _sample(
 ) -> Callable[[int, Mapping[StepVariable, float]], dict[str, float]]:
     """Return the function from a period and the errors in it to the values of all ports."""
     outside = steps.precision.outside
-    references = {variable: draw.uniform(0.2, 2.0, 2) for variable in steps.of_sort("reference")}
+    symbols = {variable: variable.symbol for variable in steps.of_sort("measured")}
+    targets = {port: x.replace("measured:", "reference:") for port, x in symbols.items()}
+    waves = {variable.symbol: draw.uniform(0.2, 2.0, 2) for variable in steps.of_sort("reference")}
+
+    @lru_cache(1)
+    def references(k: int) -> dict[str, float]:
+        return {
+            symbol: float(outside(a * math.sin(0.05 * b * k))) for symbol, (a, b) in waves.items()
+        }
 
     def sample(k: int, errors: Mapping[StepVariable, float]) -> dict[str, float]:
-        values = {
-            variable.symbol: float(outside(a * math.sin(0.05 * b * k)))
-            for variable, (a, b) in references.items()
-        }
+        values = dict(references(k))
         for port, error in errors.items():
-            target = values.get(port.symbol.replace("measured:", "reference:"), 0.0)
-            values[port.symbol] = float(outside(target - error))
+            values[symbols[port]] = float(outside(values.get(targets[port], 0.0) - error))
         for number, block in enumerate(steps.blocks):
             reads, every = block.guard.reads, block.guard.every
             lost = -(-(LOST + number) // every) * every  # a period in which it runs
