@@ -293,20 +293,18 @@ print([name for name in sys.modules if name.startswith({SEARCH})], file=sys.stde
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [CALL, COMMAND], ids=["call", "command"])
-def test_the_checker_loads_nothing_of_the_search(tmp_path, way):
+def test_the_checker_loads_nothing_of_the_search(servo_verdict, tmp_path, way):
     path = str(tmp_path / "servo.json")
-    text = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
-    write_certificate(fuzzyarm.prove(text, "stable", plant="motor").certificate, path)
+    write_certificate(servo_verdict.certificate, path)
     command = [sys.executable, "-c", "import sys" + way + LOADED, path]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     assert run.stderr.splitlines()[-1] == "[]"
 
 
 @pytest.mark.slow
-def test_the_checker_says_what_it_does_not_read():
-    text = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
-    certificate = fuzzyarm.prove(text, "stable", plant="motor").certificate.region
-    problem = problem_of(text, read_claim("stable", "motor"))
+def test_the_checker_says_what_it_does_not_read(servo, servo_verdict):
+    certificate = servo_verdict.certificate.region
+    problem = problem_of(servo, read_claim("stable", "motor"))
     evidence = certificate.evidence
     for changed, words in (
         (replace(evidence, gains=()), "no claim about"),

@@ -9,7 +9,6 @@ import pytest
 from budget import cases
 from scipy.optimize import linprog
 
-import fuzzyarm
 from fuzzyarm.proof.check.loop import checked_loop
 from fuzzyarm.proof.check.numbers import exact, is_zero
 from fuzzyarm.proof.check.region import refutation
@@ -21,17 +20,12 @@ from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.symbolic.nodes import apply, constant
 
 
-def of(file, plant):
-    text = fuzzyarm.load(fuzzyarm.shipped(file))
-    certificate = fuzzyarm.prove(text, "stable", plant=plant).certificate.region
-    problem = problem_of(text, read_claim("stable", plant))
-    loop = checked_loop(problem, certificate.states, certificate.evidence)
-    return text, problem, loop, certificate
-
-
 @pytest.fixture(scope="module")
-def servo():
-    return of("servo.frb", "motor")
+def loop(servo, servo_verdict):
+    certificate = servo_verdict.certificate.region
+    problem = problem_of(servo, read_claim("stable", "motor"))
+    form = checked_loop(problem, certificate.states, certificate.evidence)
+    return servo, problem, form, certificate
 
 
 def floats(matrix):
@@ -92,15 +86,15 @@ def with_entry(matrix, i, j, factor):
 
 
 @pytest.mark.slow
-def test_every_period_of_simulate_is_one_of_the_form(servo):
-    _, problem, form, certificate = servo
+def test_every_period_of_simulate_is_one_of_the_form(loop):
+    _, problem, form, certificate = loop
     assert misfit(form, samples(problem, certificate, cases(15, 1000))) < 1e-7
 
 
 @pytest.mark.slow
-def test_a_damaged_form_is_seen(servo):
-    _, problem, form, certificate = servo
-    pairs = samples(problem, certificate, 25)
+def test_a_damaged_form_is_seen(loop):
+    _, problem, form, certificate = loop
+    pairs = samples(problem, certificate, 10)
     size = form.size
     for i, j in product(range(size), range(size)):
         if not is_zero(form.move[i][j]):
@@ -111,22 +105,22 @@ def test_a_damaged_form_is_seen(servo):
 
 
 @pytest.mark.slow
-def test_a_form_of_another_loop_is_contradicted_by_runs(servo):
-    text, problem, loop, certificate = servo
-    assert contradiction(problem, loop, certificate) == ""
+def test_a_form_of_another_loop_is_contradicted_by_runs(loop):
+    text, problem, form, certificate = loop
+    assert contradiction(problem, form, certificate) == ""
     slow = replace(text, model=replace(text.model, period=0.08))  # unstable
-    assert refutation(loop, certificate.p, certificate.multipliers) == ""  # as if it were this one
+    assert refutation(form, certificate.p, certificate.multipliers) == ""  # as if it were this one
     other = problem_of(slow, read_claim("stable", "motor"))
-    assert "the run from" in contradiction(other, loop, certificate)
+    assert "the run from" in contradiction(other, form, certificate)
 
 
 @pytest.mark.slow
-def test_a_function_that_rises_is_contradicted(servo):
-    _, problem, loop, certificate = servo
+def test_a_function_that_rises_is_contradicted(loop):
+    _, problem, form, certificate = loop
     tilted = [list(row) for row in certificate.p]
     tilted[0][1] = tilted[1][0] = -tilted[0][1]  # V rises along most runs
     damaged = replace(certificate, p=tuple(map(tuple, tilted)))
-    assert "lets V rise" in contradiction(problem, loop, damaged)
+    assert "lets V rise" in contradiction(problem, form, damaged)
 
 
 @pytest.mark.parametrize(

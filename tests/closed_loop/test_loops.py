@@ -40,16 +40,6 @@ from fuzzyarm.proof.loop.pictures import region_planes
 
 
 @pytest.fixture(scope="module")
-def servo():
-    return load(shipped("servo.frb"))
-
-
-@pytest.fixture(scope="module")
-def servo_verdict(servo):
-    return prove(servo, "stable", plant="motor")
-
-
-@pytest.fixture(scope="module")
 def heater():
     return load(shipped("heater.frb"))
 
@@ -358,10 +348,8 @@ def late(delay):
 @pytest.mark.parametrize(
     ("name", "text", "options"),
     [
-        ("sign", lambda: far_gains({"G_u": -4.5}), {}),
         ("no damping", lambda: far_gains({"G_e": 400.0, "G_ce": 0.0001}), {}),
-        ("delay", lambda: far_gains({}), {"sensors": late(0.05)}),
-        ("slow", lambda: every(0.08), {}),
+        ("delay", lambda: every(0.005), {"sensors": late(0.05)}),
     ],
 )
 def test_an_unstable_loop_is_never_proved(name, text, options):

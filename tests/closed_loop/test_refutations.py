@@ -354,12 +354,14 @@ def test_an_elimination_stops_in_time() -> None:
 
 
 @pytest.mark.slow
-def test_a_check_stops_in_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    servo = load_controller(shipped("servo.frb"))
-    verdict = prove_loop(servo, read_claim("stable", "motor"))
-    assert verdict.certificate is not None
+def test_a_check_stops_in_time(
+    servo: ControllerText,
+    servo_verdict: LoopVerdict,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     path = str(tmp_path / "c.json")
-    write_certificate(verdict.certificate, path)
+    write_certificate(servo_verdict.certificate, path)
     begun = time.thread_time()
     late = check_certificate(path, servo, budget=0.05)
     assert time.thread_time() - begun < 1.0

@@ -38,11 +38,6 @@ def pendulum():
     return fuzzyarm.load(EXAMPLES / "single-pendulum.frb")
 
 
-@pytest.fixture(scope="module")
-def servo():
-    return fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
-
-
 @pytest.mark.parametrize(
     ("claim", "expected"),
     [

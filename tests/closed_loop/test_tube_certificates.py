@@ -33,11 +33,6 @@ CLAIM = (
 
 
 @pytest.fixture(scope="module")
-def servo():
-    return fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
-
-
-@pytest.fixture(scope="module")
 def certificate(servo):
     return certify_tube(servo, read_claim(CLAIM))
 
@@ -275,9 +270,9 @@ def test_what_it_does_not_say_is_not_proved(servo, certificate, change, words):
 
 
 @pytest.mark.slow
-def test_a_tube_into_a_region_has_a_certificate(servo, tmp_path):
+def test_a_tube_into_a_region_has_a_certificate(servo, servo_verdict, tmp_path):
     claim = read_claim("stable on motor from position in 0.5 .. 0.55")
-    region = fuzzyarm.prove(servo, "stable", plant="motor").certificate.region
+    region = servo_verdict.certificate.region
     certificate = certify_tube(servo, claim, regions=(region,))
     path = str(tmp_path / "far.json")
     write_certificate(certificate, path)
@@ -293,14 +288,13 @@ def test_a_tube_into_a_region_has_a_certificate(servo, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_map_is_proved_box_by_box_and_in_order(servo):
-    region = fuzzyarm.prove(servo, "stable", plant="motor").certificate.region
+def test_a_map_is_proved_box_by_box_and_in_order(servo, servo_verdict):
+    plain = servo_verdict.certificate
     far = tuple((Fraction(a), Fraction(b)) for a, b in ((0.45, 0.47), (-0.1, 0.1), (-0.5, 0.5)))
     near = tuple((Fraction(a), Fraction(b)) for a, b in ((0.2, 0.25), (-0.5, 0.5), (-0.5, 0.5)))
     tubes = (TubeProof(near, 400, ("regions", 0)), TubeProof(far, 400, ("regions", 0)))
-    plain = fuzzyarm.prove(servo, "stable", plant="motor").certificate
     window = tuple((name, -1.0, 1.0) for name in ("position", "velocity", "current"))
-    whole = replace(plain, regions=(region,), tubes=tubes, window=window)
+    whole = replace(plain, regions=(plain.region,), tubes=tubes, window=window)
     checked = check.check_certificate(whole, servo)
     assert checked.proved, checked.reason
     assert "2 boxes" in checked.statement
