@@ -159,31 +159,28 @@ def test_every_command_writes_in_any_encoding(encoding, files, monkeypatch):
     )
 
 
-@pytest.mark.slow
-def test_every_command_bears_closed_outputs(files, monkeypatch):
-    run_all(monkeypatch, lambda: None)
+def without_a_reader():
+    reading, writing = os.pipe()
+    os.close(reading)
+    return opened(writing)
+
+
+FAULTS = {"closed": lambda: None, "full": lambda: opened("/dev/full"), "gone": without_a_reader}
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
-def test_every_command_bears_a_full_disk(files, monkeypatch):
-    statuses = run_all(
-        monkeypatch,
-        lambda: opened("/dev/full"),
-        lambda: opened(files / "err"),
-    )
-    assert statuses["show", PD7] == 1
-
-
-@pytest.mark.slow
-def test_every_command_bears_a_reader_that_has_gone(files, monkeypatch):
-    def pipe():
-        reading, writing = os.pipe()
-        os.close(reading)
-        return opened(writing)
-
-    statuses = run_all(monkeypatch, pipe, lambda: opened(files / "err"))
-    assert statuses["show", PD7] == 0  # `fuzzyarm show | head` is not a fault
+@pytest.mark.parametrize(
+    ("fault", "status"),
+    [("closed", None), ("full", 1), ("gone", 0)],  # `fuzzyarm show | head` is not a fault
+)
+def test_every_command_bears_outputs_that_take_nothing(fault, status, files, monkeypatch):
+    if fault == "full" and not os.path.exists("/dev/full"):
+        pytest.skip("no device that is always full")
+    cells = crossed(map(tuple, of_every_command()), FAULTS)
+    calls = [list(words) for words, name in cells if name == fault]
+    errors = None if fault == "closed" else lambda: opened(files / "err")
+    statuses = run_all(monkeypatch, FAULTS[fault], errors, [["show", PD7], *calls])
+    assert status in (None, statuses["show", PD7])
 
 
 @pytest.mark.slow

@@ -289,7 +289,7 @@ def test_a_gap_is_found_among_thousands_of_parts(missing):
 @pytest.mark.slow
 def test_a_part_that_is_undecided_is_named(by_parts):
     verdict = prove_loop(
-        pd(2.0, 2.0), read_claim("stable with w in 0 .. 1.5", "hoist"), plant=Hoist(), budget=60.0
+        pd(2.0, 2.0), read_claim("stable with w in 0.5 .. 1.1", "hoist"), plant=Hoist(), budget=60.0
     )
     assert verdict.verdict == "undecided"  # from 1 on there is no rest
     proved_until = max(
