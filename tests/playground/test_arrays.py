@@ -298,31 +298,20 @@ print(json.dumps([[list(map(float, x)) for x in read_signal(s).at(times)] for s 
 
 
 @pytest.mark.slow
-def test_references_are_the_same_without_numpy():
-    with_numpy, without = with_and_without(REFERENCES)
+@pytest.mark.parametrize(
+    ("script", "varied"),
+    [
+        (REFERENCES, lambda found: [len(set(values[0])) > 1 for values in found] == [True] * 4),
+        (SURFACE, lambda found: [len(each) > 12 for each in found.values()] == [True] * 3),
+        (EXPORT, lambda found: [len(text) > 1000 for text in found] == [True] * 4),
+        (INFER, lambda found: [len(set(each)) > 3 for each in found.values()] == [True] * 7),
+    ],
+    ids=["references", "surface of a busy page", "code", "rules over arrays"],
+)
+def test_what_a_script_finds_is_the_same_without_numpy(script, varied):
+    with_numpy, without = with_and_without(script)
     assert with_numpy == without
-    assert [len(set(values[0])) > 1 for values in with_numpy] == [True] * 4
-
-
-@pytest.mark.slow
-def test_the_surface_of_a_busy_page_is_the_same_without_numpy():
-    with_numpy, without = with_and_without(SURFACE)
-    assert with_numpy == without
-    assert [len(values) > 12 for values in with_numpy.values()] == [True] * 3
-
-
-@pytest.mark.slow
-def test_code_is_the_same_without_numpy():
-    with_numpy, without = with_and_without(EXPORT)
-    assert with_numpy == without
-    assert [len(text) > 1000 for text in with_numpy] == [True] * 4
-
-
-@pytest.mark.slow
-def test_rules_give_the_same_over_arrays_without_numpy():
-    with_numpy, without = with_and_without(INFER)
-    assert with_numpy == without
-    assert [len(set(values)) > 3 for values in with_numpy.values()] == [True] * 7
+    assert varied(with_numpy)
 
 
 def with_and_without(script):

@@ -136,26 +136,23 @@ def test_so_it_does_where_what_fires_has_no_area_in_the_range(more: str, set_: s
         Prover(error, "u").slope({}, "x")
 
 
-@pytest.mark.parametrize(("cut", "height"), [("bounded", 0.5), ("drastic", 1), ("nilpotent", 0.5)])
-def test_so_it_does_where_the_implication_leaves_nothing(cut: str, height: float) -> None:
+@pytest.mark.parametrize(
+    ("points", "setting"),
+    [
+        ("0 0.5 1 height 0.5", "implication bounded"),
+        ("0 0.5 1", "implication drastic"),
+        ("0 0.5 1 height 0.5", "implication nilpotent"),
+        ("0.101 0.105 0.109", "defuzzifier centroid(11)"),  # between two samples
+    ],
+)
+def test_so_it_does_where_a_rule_that_fires_leaves_nothing(points: str, setting: str) -> None:
     rulebase = read(
         "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\nterm x L: triangle -1 0 3\n"
-        f"term u B: triangle 0 0.5 1 height {height}\n"
-        f"inference no-rule 3, outside extend, implication {cut}\nrule if x is L then u is B\n"
+        f"term u B: triangle {points}\n"
+        f"inference no-rule 3, outside extend, {setting}\nrule if x is L then u is B\n"
     )
     assert fuzzyarm.infer(rulebase, x=1.9) == {"u": 3.0}
     assert not prove(rulebase, "u <= 2", budget=0.5).proved
-
-
-def test_so_it_does_where_a_set_lies_between_two_samples() -> None:
-    rulebase = read(
-        "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\nterm x L: triangle -1 0 3\n"
-        "term u B: triangle 0.101 0.105 0.109\n"
-        "inference no-rule 3, outside extend, defuzzifier centroid(11)\n"
-        "rule if x is L then u is B\n"
-    )
-    assert fuzzyarm.infer(rulebase, x=1.0) == {"u": 3.0}
-    assert not prove(rulebase, "u <= 2", budget=5).proved
 
 
 def test_ends_of_karnik_and_mendel_are_no_averages() -> None:
