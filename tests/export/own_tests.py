@@ -11,7 +11,6 @@ from pathlib import Path
 import c_programs
 import numpy as np
 import pytest
-from budget import cases
 from c_programs import HOST
 from needs import need
 from scl_reader import Reader
@@ -135,7 +134,7 @@ Last those that need tools: where there are none, the others have been looked at
 
 @pytest.fixture(scope="module")
 def tried_once() -> Iterator[None]:
-    """Try a controller once, and briefly, for all languages: its sequence depends on none."""
+    """Try a controller once for all languages: its sequence depends on none."""
     known: dict[tuple[object, ...], Tried] = {}
     tried = ControllerProgram.tried.func
 
@@ -147,7 +146,6 @@ def tried_once() -> Iterator[None]:
         return known[key]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(controllers, "PERIODS", cases(60, 200))
         patch.setattr(ControllerProgram, "tried", cached_property(once))
         ControllerProgram.tried.__set_name__(ControllerProgram, "tried")
         yield
