@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -18,6 +19,7 @@ import pytest
 from budget import cases
 
 import fuzzyarm
+from fuzzyarm.language.model.rulebase import Property
 from fuzzyarm.language.statements import VERBS
 from fuzzyarm.proof.map import prove
 
@@ -92,6 +94,27 @@ def test_each_verb_has_a_truth() -> None:
 def test_each_verb_is_on_the_pages(page: str) -> None:
     text = (REFERENCE / f"{page}.md").read_text("utf-8")
     assert [verb for verb in VERBS if not re.search(rf"\bu {verb}\b", text)] == []
+
+
+def test_the_model_names_each_verb() -> None:
+    assert [verb for verb in VERBS if f"``{verb}``" not in (Property.__doc__ or "")] == []
+
+
+@pytest.mark.parametrize("last", [-5, 5])  # odd and even up to 0.5, and not beyond
+@pytest.mark.parametrize("verb", TRUTHS)
+def test_a_point_against_it_is_in_the_ranges_or_they_are_refused(verb: str, last: int) -> None:
+    half = -2 if last > 0 else 2
+    numbers: Numbers = [Fraction(v) for v in (7, 2, 0, half, last)]
+    claim, _ = TRUTHS[verb](numbers, random.Random(verb))
+    whole = rulebase_of(numbers)
+    cut = replace(whole, inputs=(replace(whole.inputs[0], low=-0.5),))
+    try:
+        verdict = prove(cut, claim)
+    except fuzzyarm.RuleBaseError:
+        return
+    points = [float(x) for line in verdict.evidence for x in re.findall(r"x = (\S+)", line)]
+    assert all(-0.5 <= x <= 1.0 for x in points)
+    assert points or verdict.proved
 
 
 @pytest.mark.parametrize("verb", TRUTHS)

@@ -152,7 +152,7 @@ def _demand_symmetry(node: ProveNode, region: dict[str, tuple[float, float]], sc
         if low != -high and node.output is not None:
             scope.report(
                 "not-symmetric",
-                f"only over ranges that are symmetric about 0 an output can be odd;"
+                f"only over ranges that are symmetric about 0 an output can be {node.verb};"
                 f" '{name}' goes {low:g} .. {high:g}",
                 node.output.span,
             )

@@ -9,7 +9,9 @@ To add a property: a quotient of polynomials in :mod:`.surface`, its problem her
 :mod:`fuzzyarm.language.demands`) and its judge in :mod:`.verdicts`. By hand besides: the kinds of
 ``Property`` in :mod:`fuzzyarm.language.model.rulebase`, its quotient in ``QUOTIENTS`` of
 ``tests/proof/test_soundness.py`` (its rounding against rationals), the statement in
-``tests/fuzz/attacked_proofs.py``, ``docs/reference/metrics.md``; then ``tools/make_schemas.py``.
+``tests/fuzz/attacked_proofs.py``, ``docs/reference/metrics.md``; then ``tools/make_schemas.py`` and
+``pytest --update-golden tests/language tests/lsp``. ``tests/proof/test_every_verb.py`` names a
+missing part.
 New features of rule bases are refused by name in :mod:`.straight` and :mod:`.boxes` until
 ``tests/proof/test_soundness.py`` covers them; ``tests/fuzz/random_proofs.py`` tries to refute
 proofs.
