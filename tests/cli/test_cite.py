@@ -110,6 +110,5 @@ def test_findings_as_annotations(tmp_path, capsys):
     assert main(["check", "--format", "github", "--quiet", str(path)]) == 1
     printed = capsys.readouterr().out
     place = str(path).replace(",", "%2C")
-    assert printed == (
-        f"::error file={place},line=5,col=26,title=unknown-term::no term of 'u' is called 'C'\n"
-    )
+    (found,) = parse(path.read_text()).diagnostics
+    assert printed == (f"::error file={place},line=5,col=26,title=unknown-term::{found.message}\n")

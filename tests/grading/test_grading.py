@@ -41,7 +41,8 @@ def test_who_passes_what(capsys):
     table = {line.split()[0]: line.split()[1:] for line in lines[8:]}
     assert table["ada"] == ["9/9", *["yes"] * 6]
     assert table["bea"] == ["7/9", *["yes"] * 5, "no"]
-    assert lines[-1].endswith("line 6: no term of 'speed' is called 'OF'")
+    assert "  line 6: " in lines[-1]
+    assert lines[-1].endswith("'OF'")
 
 
 def test_reasons_are_points_that_can_be_tried(capsys):
