@@ -38,6 +38,7 @@ from fuzzyarm.language.model.rulebase import (
 )
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference" / "checks.md"
+TESTS = Path(__file__).parents[1]
 SOURCES = Path(__file__).parents[2] / "src" / "fuzzyarm"
 PD7 = shipped("pd7.frb").read_text()
 
@@ -212,6 +213,11 @@ def test_every_check_has_its_line_in_the_docs_with_its_severity():
         assert f"| `{name}` | {record.severity} | {record.doc} |" in page
     rows = re.findall(r"^\| `([\w-]+)` \| (?:error|warning|info) \|", page, re.MULTILINE)
     assert rows == list(CHECKS)
+
+
+def test_every_check_is_found_by_a_test():
+    tests = "\n".join(path.read_text("utf-8") for path in TESTS.rglob("test_*.py"))
+    assert [name for name in CHECKS if f'"{name}"' not in tests] == []
 
 
 def test_every_diagnostic_of_the_language_is_in_the_docs():

@@ -2,8 +2,9 @@
 
 To add a check: write its function in :mod:`.terms` or :mod:`.rules`, and its record here.
 
-Its description goes into ``docs/reference/checks.md``, and a text with and one without it into
-``tests/language/test_checks.py``. A doubt about a controller is a function of
+Its description goes into ``docs/reference/checks.md``, at the same place, and a text with and one
+without it into ``tests/language/test_checks.py``, which names what is missing and finds shipped
+files that the check blames. A doubt about a controller is a function of
 :mod:`fuzzyarm.language.controller_doubts` where its lines are enough, of
 :mod:`fuzzyarm.control.controllers.findings` where files, ranges or the plant are needed.
 """
