@@ -14,10 +14,12 @@ the session, a request and a ``WindowJob``, named in ``WORKS`` of ``requests.py`
 ``open_files.py``. A form is a ``Form`` of ``forms.py``: the names of request fields.
 
 In ``page/`` a pane is a class made of the store and of a hand's actions, named in ``DESIGN`` of
-``frame.js``; a view is an entry in ``VIEWS`` of ``app.js``; words are in ``strings.js``;
-arithmetic is in ``geometry/``, with a test in ``editors/designer/test``. ``make designer`` builds
-what is committed. Look at the page with a long and with a hostile file
-(``tools/make_designer_pictures.py``).
+``frame.js``, with a place in the grid of its view in ``style.css``; a view is an entry in ``VIEWS``
+of ``app.js``; words are in ``strings.js``; arithmetic is in ``geometry/``, with a test in
+``editors/designer/test``. ``make designer`` builds what is committed. In ``tests/designer``,
+``test_designer_built.py``, ``test_designer_sizes.py`` and ``test_designer_accessibility.py`` find a
+pane that is not built, cuts others off or has no name. Look at the page with a long and with a
+hostile file (``tools/make_designer_pictures.py``).
 """
 
 from typing import TYPE_CHECKING
