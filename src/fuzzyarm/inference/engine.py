@@ -161,11 +161,11 @@ class Compiled:
         values = floats_of(self.rulebase, inputs)
         if held:
             check_names(held, self._outputs, what="output")
-        found = self.named_point(values)
-        if found is None:
-            found = self.outcome(values, held).values
-            found = {name: found[name] for name in self._outputs}
-        return found
+        outputs = self.named_point(values)
+        if outputs is not None:
+            return outputs
+        all_values = self.outcome(values, held).values
+        return {name: all_values[name] for name in self._outputs}
 
     def _named(self, arguments: Mapping[str, Any]) -> dict[str, float] | None:
         """Return the outputs at named inputs; None unless all are ordinary."""
@@ -173,10 +173,10 @@ class Compiled:
             return None
         values = dict(arguments)
         for stage in self._stages:
-            found = stage.functions.named({name: values[name] for name in stage.inputs})
-            if found is None:
+            outputs = stage.functions.named({name: values[name] for name in stage.inputs})
+            if outputs is None:
                 return None
-            values |= found
+            values |= outputs
         return {name: values[name] for name in self._outputs}
 
     def outcome(

@@ -60,12 +60,12 @@ def _values_read(full: Plan, name: str) -> set[str]:
 
 def _sets_read(full: Plan, names: Iterable[str]) -> set[str]:
     """Return outputs, and all outputs whose degrees they read."""
-    found, new = set[str](), set(names)
+    reached, new = set[str](), set(names)
     while new:
-        found |= new
+        reached |= new
         rules = {rule for name in new for _, rule in full.outputs[name].contributions}
-        new = {name for rule in rules for name in full.rules[rule].degrees} - found
-    return found
+        new = {name for rule in rules for name in full.rules[rule].degrees} - reached
+    return reached
 
 
 def _levels(full: Plan) -> dict[str, int]:

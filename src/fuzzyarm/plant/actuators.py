@@ -23,7 +23,7 @@ def dead_time(delay: float, period: float) -> tuple[int, float]:
     return count, delay - count * period
 
 
-def dead_times(ports: Sequence[Port], period: float, most: int) -> list[float]:
+def dead_time_rows(ports: Sequence[Port], period: float, most: int) -> list[float]:
     """Return the dead times of inputs, as :data:`ACTUATOR` has them; empty without any.
 
     Parameters
@@ -73,9 +73,9 @@ def limit(drives: list[float], limits: list[float], single: bool) -> None:
 
 
 @kernel
-def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
+def limited(command: float, limits: list[float], at: int, single: bool) -> float:
     """Limit a drive in range and slew; NaN passes."""
-    value = stored(wanted, single)
+    value = stored(command, single)
     # Range before slew: a drive leaves its limit at the full slew rate.
     value = max(value, limits[at])
     value = min(value, limits[at + 1])
@@ -90,22 +90,28 @@ def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
 # Five numbers for each drive, followed by the rings of delayed values. A dead time is so many
 # periods and a part of one: at that part of the period the plant gets the next value.
 
-LATE, PART, LATE_RING, ARRIVING, TURN = range(5)
+WHOLE_PERIODS, PART, DEAD_TIME_RING, ARRIVING, TURN = range(5)
 ACTUATOR = 5
 """Of an actuator: its dead time in whole periods, the rest, s, the index of its ring, the value
 that arrives in this period; and, for the row, the drive whose value arrives next."""
 
 
 @kernel
-def postpone(drives: list[float], late: list[float], tick: int) -> None:
+def postpone(drives: list[float], dead_times: list[float], tick: int) -> None:
     """Replace the drives by those in effect at the start of the period, if any are delayed."""
-    if len(late) == 0:
+    if len(dead_times) == 0:
         return
     for i in range(len(drives)):
         at = ACTUATOR * i
-        arriving = handed_on(late, int(late[at + LATE_RING]), int(late[at + LATE]), drives[i], tick)
-        drives[i] = late[at + ARRIVING] if late[at + PART] > 0.0 else arriving
-        late[at + ARRIVING] = arriving
+        arriving = handed_on(
+            dead_times,
+            int(dead_times[at + DEAD_TIME_RING]),
+            int(dead_times[at + WHOLE_PERIODS]),
+            drives[i],
+            tick,
+        )
+        drives[i] = dead_times[at + ARRIVING] if dead_times[at + PART] > 0.0 else arriving
+        dead_times[at + ARRIVING] = arriving
 
 
 @kernel
@@ -116,12 +122,12 @@ def advance(
     u: list[float],
     p: list[float],
     clock: list[float],
-    late: list[float],
+    dead_times: list[float],
     pushes: list[float],
     tick: int,
 ) -> None:
     """Advance the plant by a period; drives change inside it where their dead times end."""
-    if len(late) == 0:
+    if len(dead_times) == 0:
         ask_plant(ADVANCE, links, x, y, u, p, clock)
         return
     # The period is cut at the rests of the dead times in increasing order (TURN is sorted by them);
@@ -132,8 +138,8 @@ def advance(
         end = whole
         i = 0
         if turn < len(u):
-            i = int(late[ACTUATOR * turn + TURN])
-            end = late[ACTUATOR * i + PART]
+            i = int(dead_times[ACTUATOR * turn + TURN])
+            end = dead_times[ACTUATOR * i + PART]
         if end > done:  # of equal rests the first has advanced already
             clock[TIME], clock[STEP] = begin + done, end - done
             # Integration steps as long as in a whole period at most; 1e-9 absorbs the rounding.
@@ -141,7 +147,7 @@ def advance(
             ask_plant(ADVANCE, links, x, y, u, p, clock)
             done = end
         if turn < len(u) and end > 0.0:
-            u[i] = late[ACTUATOR * i + ARRIVING]
+            u[i] = dead_times[ACTUATOR * i + ARRIVING]
             if len(pushes) > 0:
                 u[i] += pushes[tick * len(u) + i]
     clock[TIME], clock[STEP], clock[PARTS] = begin, whole, parts

@@ -304,13 +304,13 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
         drives: Any = np.array(u, float)
         limit(drives, limits.ravel(), False)
         last, lines = drives[slewed], np.split(x[states + len(slewed) :], np.cumsum(queues)[:-1])
-        late: list[float] = []
+        dead_times: list[float] = []
         for index, (queue, (_, rest), turn) in enumerate(zip(lines, delays, turns, strict=True)):
             line = [drives[index], *queue]
             lines[index] = np.array(line[:-1])
-            late += [0.0, rest, 0.0, line[-2] if rest else line[-1], turn]
+            dead_times += [0.0, rest, 0.0, line[-2] if rest else line[-1], turn]
             drives[index] = line[-1]
-        return drives, late, np.concatenate([last, *lines])
+        return drives, dead_times, np.concatenate([last, *lines])
 
     def clock(t: float) -> Any:
         clock_values = np.zeros(CLOCK_SIZE)
@@ -323,10 +323,10 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
     in_parts = with_names(advance, {"ask_plant": moved})
 
     def after(t: float, x: Any, u: Any, _params: Any) -> Any:
-        drives, late, rest = felt(x, u)
+        drives, dead_times, rest = felt(x, u)
         # State array of the kernel: the states, then scratch for its Runge-Kutta steps.
         board = np.concatenate([x[:states], np.zeros(WORK * states)])
-        in_parts([], board, None, drives, numbers, clock(t), late, [], 0)
+        in_parts([], board, None, drives, numbers, clock(t), dead_times, [], 0)
         return np.concatenate([board[:states], rest])
 
     def outputs(t: float, x: Any, u: Any, _params: Any) -> Any:

@@ -578,11 +578,11 @@ def find_slopes_by_program(
     t: float, x: list[float], u: list[float], p: list[float], slopes: list[float]
 ) -> None:
     """Evaluate the rates by a program (its address follows the parameters)."""
-    behind = len(p) - 2
+    addresses = len(p) - 2  # of the derivative and of the outputs, after the parameters
     # The time is passed in the output array: kernels allocate none, and the program copies its
     # inputs before it writes.
     slopes[0] = t
-    call(int(p[behind]), slopes[0:1], x, u, p[0:behind], slopes)
+    call(int(p[addresses]), slopes[0:1], x, u, p[0:addresses], slopes)
 
 
 @kernel
@@ -590,9 +590,9 @@ def measure_by_program(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Evaluate the output program (its address follows the derivative's)."""
-    behind = len(p) - 2
+    addresses = len(p) - 2  # of the derivative and of the outputs, after the parameters
     y[0] = clock[TIME]
-    call(int(p[behind + 1]), y[0:1], x[0 : len(x) // 4], u, p[0:behind], y)
+    call(int(p[addresses + 1]), y[0:1], x[0 : len(x) // 4], u, p[0:addresses], y)
 
 
 def is_compiled(plant: Plant) -> bool:

@@ -25,7 +25,7 @@ from fuzzyarm.control.controllers.own import find_controller, find_controllers
 from fuzzyarm.control.loop.along import equipped, trajectory_motion
 from fuzzyarm.control.loop.course import Options
 from fuzzyarm.control.loop.experiments import follows, with_plant
-from fuzzyarm.control.loop.loop import HELD, LED, MAGNITUDES, rms
+from fuzzyarm.control.loop.loop import ALONG_PATH, HELD, MAGNITUDES, rms
 from fuzzyarm.control.loop.program import shown_errors, shown_means, shown_units
 from fuzzyarm.control.loop.run import ClosedLoop
 from fuzzyarm.control.loop.words import connections, conventions_of, options_of, times_and_angles
@@ -284,7 +284,7 @@ def watched_run(
         units=shown_units(course),
         rms=plainly(rms(shown_errors(course, record.rows))),
         rms_periods=plainly(shown_means(course, record, HELD)),
-        rms_path=plainly(shown_means(course, record, LED)),
+        rms_path=plainly(shown_means(course, record, ALONG_PATH)),
         variation=plainly(record.changes(MAGNITUDES)[first]),
         diverged=record.diverged(),
         notes=loop.notes(),

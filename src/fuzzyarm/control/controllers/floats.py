@@ -15,10 +15,10 @@ import numpy as np
 
 from fuzzyarm.control.controllers.period import (
     Algebra,
+    AxisGuard,
     AxisResults,
     Call,
     ControlPeriod,
-    Guard,
     Lesson,
     PortValue,
     Remembered,
@@ -99,7 +99,7 @@ class Floats(Algebra[float]):
         """Return ``min(max(x, low), high)``."""
         return min(max(x, low), high)
 
-    def near(self, x: float, before: float, most: float) -> float:
+    def rate_limited(self, x: float, before: float, most: float) -> float:
         """Return ``min(max(x, before - most), before + most)``."""
         return min(max(x, before - most), before + most)
 
@@ -184,7 +184,9 @@ class Floats(Algebra[float]):
 
     # --- skipped periods ---
 
-    def skipped(self, guard: Guard, given: Mapping[PortValue, float]) -> dict[str, float] | None:
+    def skipped(
+        self, guard: AxisGuard, given: Mapping[PortValue, float]
+    ) -> dict[str, float] | None:
         """Return the drives of an axis with a NaN input."""
         if any(math.isnan(given[value]) for value in guard.reads):
             return self._sent(guard)
@@ -193,7 +195,7 @@ class Floats(Algebra[float]):
         }
         return None
 
-    def _sent(self, guard: Guard) -> dict[str, float]:
+    def _sent(self, guard: AxisGuard) -> dict[str, float]:
         drives = {}
         for port, sent in guard.sent.items():
             before = self.driven.get((guard.axis, port), guard.idle[port])
@@ -201,7 +203,7 @@ class Floats(Algebra[float]):
         self.driven |= {(guard.axis, port): value for port, value in drives.items()}
         return drives
 
-    def ran(self, guard: Guard, results: AxisResults[float]) -> dict[str, float] | None:
+    def ran(self, guard: AxisGuard, results: AxisResults[float]) -> dict[str, float] | None:
         """Return the drives of a period skipped after all; None keeps those of this one."""
         values = (*results.signals.values(), *results.drives.values())
         if any(map(math.isnan, values)) or not all(map(math.isfinite, results.memory.values())):

@@ -86,7 +86,7 @@ class Remembered(NamedTuple):
         return f"{self.axis}.{self.of} {self.what}{f' {self.line}' if self.line else ''}"
 
 
-class Guard(NamedTuple):
+class AxisGuard(NamedTuple):
     """An axis, and the condition of a skipped period.
 
     Attributes
@@ -286,7 +286,7 @@ class Algebra(Generic[T]):
         """Return the change of x by a limit, to a value."""
         return self.subtract(value, x)
 
-    def near(self, x: T, before: T, most: float) -> T:
+    def rate_limited(self, x: T, before: T, most: float) -> T:
         """Return ``min(max(x, before - most), before + most)``."""
         raise NotImplementedError
 
@@ -318,7 +318,7 @@ class Algebra(Generic[T]):
 
     # --- sources ---
 
-    def compared(self, reference: T, measured: T, weight: T | None) -> T:
+    def port_error(self, reference: T, measured: T, weight: T | None) -> T:
         """Return the error of a port."""
         if weight is not None:
             reference = self.multiply(reference, weight)
@@ -418,11 +418,11 @@ class Algebra(Generic[T]):
 
     # --- the axis ---
 
-    def skipped(self, guard: Guard, given: Mapping[PortValue, T]) -> dict[str, T] | None:
+    def skipped(self, guard: AxisGuard, given: Mapping[PortValue, T]) -> dict[str, T] | None:
         """Return the drives of a skipped axis; None if it runs."""
         return None
 
-    def ran(self, guard: Guard, results: AxisResults[T]) -> dict[str, T] | None:
+    def ran(self, guard: AxisGuard, results: AxisResults[T]) -> dict[str, T] | None:
         """Return the drives of an axis skipped after its run; None keeps its results."""
         return None
 
@@ -631,7 +631,7 @@ class ControlPeriod(Generic[T]):
         if line.slew is not None:
             before = _of_drive(self.axis, line, "slew")
             most = line.slew * self.axes.every * self.model.period
-            value = algebra.near(value, self.state(before), most)
+            value = algebra.rate_limited(value, self.state(before), most)
             self.remember(before, value)
         value = algebra.drive(self.axis, line, value)
         earlier = self._drives.get(line.port)
@@ -686,7 +686,7 @@ class ControlPeriod(Generic[T]):
         weight = source.option("weight")
         share = self.operand(weight) if isinstance(weight, str | float) else None
         by_kind = dict(zip(kinds, values, strict=True))
-        return self.algebra.compared(by_kind["reference"], by_kind["measured"], share)
+        return self.algebra.port_error(by_kind["reference"], by_kind["measured"], share)
 
     def gain_of_drive(self, line: SignalLine, drive: Drive) -> T:
         """Return the sensitivity of a drive to a source; 1 if it is not constant."""
@@ -706,7 +706,7 @@ class ControlPeriod(Generic[T]):
         return Call(self, line, name, sheet, signals, next(learners, None))
 
 
-def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> Guard:
+def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> AxisGuard:
     """Return the condition under which an axis is skipped, and its drives then."""
     reads = tuple(
         PortValue(kind, axis, port)
@@ -715,7 +715,7 @@ def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> Guard:
     )
     drives = skipped_drives(axes, hold)
     idle = {port: value for port, (value, _) in drives.items()}
-    return Guard(axis, reads, idle, {port: value for port, (_, value) in drives.items()})
+    return AxisGuard(axis, reads, idle, {port: value for port, (_, value) in drives.items()})
 
 
 def _last_held(algebra: Algebra[T], call: Call[T], index: int, value: T) -> T:

@@ -265,7 +265,7 @@ class Ranges(Algebra[Reach]):
         """Return a range between limits."""
         return replace(x, at=_clipped(x.at, Interval(low, high)))
 
-    def near(self, x: Reach, before: Reach, most: float) -> Reach:
+    def rate_limited(self, x: Reach, before: Reach, most: float) -> Reach:
         """Return x unchanged: a slew limit reaches every value in time."""
         return x
 
@@ -313,7 +313,7 @@ class Ranges(Algebra[Reach]):
 
     # --- sources ---
 
-    def compared(self, reference: Reach, measured: Reach, weight: Reach | None) -> Reach:
+    def port_error(self, reference: Reach, measured: Reach, weight: Reach | None) -> Reach:
         """Return the range of an error; its pace excludes jumps of a reference."""
         share = Interval(1.0, 1.0) if weight is None else weight.at
         at = combine("subtract", combine("multiply", reference.at, share), measured.at)

@@ -25,7 +25,7 @@ from fuzzyarm.control.loop.reference import (
     as_seconds,
     as_signal,
 )
-from fuzzyarm.plant.actuators import dead_times
+from fuzzyarm.plant.actuators import dead_time_rows
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -598,7 +598,9 @@ class Course:
         setting = self._flat(self._setting._replace(seed=run_seed % 2**31))
         parts = {**self._parts, "setting": setting, "limits": self._flat(self._limits())}
         ports = self.site.interface.inputs.values()
-        parts["late"] = self._flat(dead_times(list(ports), self.motion.period, self.steps))
+        parts["dead_times"] = self._flat(
+            dead_time_rows(list(ports), self.motion.period, self.steps)
+        )
         if len(parts["sensors"]):
             # Noise is drawn anew only for another seed.
             own = {"sensors": self._flat(parts["sensors"])}

@@ -7,7 +7,7 @@ Loop, laws and plant share one array, the **board**:
                1 if values are stored in single precision
 references     set points, see :class:`fuzzyarm.plant.plant.Interface`
 seen           outputs as measured, in the order of the plant
-wanted         scratch for the drives of one law
+commands       scratch for the drives of one law
 true           outputs of the plant (unused where all sensors are ideal)
 drives         drives, after actuators and loads
 =============  =====================================================================
@@ -107,7 +107,7 @@ class LoopBlock(NamedTuple):
     ------------------------------------------------------------------------------------------
     sensors         10 each, or 0       see :data:`SENSOR`; behind them the rings of delays
     limits          4 D                 lowest, highest, largest change in a period, last value
-    late            5 D, or 0           see :data:`ACTUATOR`; behind them the rings of dead times
+    dead_times      5 D, or 0           see :data:`ACTUATOR`; behind them the rings of dead times
     memory                              state of the laws
     taps            whole               recorded cells of the board: tracked outputs,
                                         their references, others
@@ -136,7 +136,7 @@ class LoopBlock(NamedTuple):
     numbers: list[float]
     sensors: list[float]
     limits: list[float]
-    late: list[float]
+    dead_times: list[float]
     memory: list[float]
     taps: list[int]
     board: list[float]
@@ -187,7 +187,7 @@ def run_loop(block: LoopBlock) -> None:
     setting = constants_of(block.setting)
     references, iterations, pushes = block.references, block.iterations, block.pushes
     plants, links, sensors, noise = block.plants, block.links, block.sensors, block.noise
-    limits, late, checks, bounds = block.limits, block.late, block.checks, block.bounds
+    limits, dead_times, checks, bounds = block.limits, block.dead_times, block.checks, block.bounds
     laws, numbers, memory, taps = block.laws, block.numbers, block.memory, block.taps
     board, state, clock, progress = block.board, block.state, block.clock, block.progress
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
@@ -226,14 +226,14 @@ def run_loop(block: LoopBlock) -> None:
                     clock,
                 )
             control(board, frame.observation_end, frame.drives, laws, numbers, memory, drives)
-            actuate(links, state, outputs, drives, constants, clock, limits, late, tick)
+            actuate(links, state, outputs, drives, constants, clock, limits, dead_times, tick)
             note_changes(drives, frame.drives, clock, tick)
             note_errors(board, taps, block.path, tick, errors, tracked)
             if last:  # before the plant moves: the error behind these drives
                 tap(board, taps, block.record, samples)
                 samples += 1
             push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
-            advance(links, state, outputs, drives, constants, clock, late, pushes, tick)
+            advance(links, state, outputs, drives, constants, clock, dead_times, pushes, tick)
             tick += 1
             clock[TIME] = tick * setting.step
             if setting.disturbance > 0.0:
@@ -348,17 +348,17 @@ def refer(
     if setting.interpolated and at + frame.references < len(references):
         share = iteration / setting.every
         for i in range(frame.references):
-            way = references[at + frame.references + i] - references[at + i]
-            board[CLOCK + i] = references[at + i] + way * share
+            change = references[at + frame.references + i] - references[at + i]
+            board[CLOCK + i] = references[at + i] + change * share
 
 
 @kernel
 def tap(board: list[float], taps: list[int], record: list[float], samples: int) -> None:
     """Record a sample."""
-    room = len(record) // max(len(taps), 1)
+    length = len(record) // max(len(taps), 1)  # of a row: all sampled set points
     # One row for each tap: readers go along rows.
     for i in range(len(taps)):
-        record[room * i + samples] = board[taps[i]]
+        record[length * i + samples] = board[taps[i]]
 
 
 # Calls of plant and laws; plain Python is bound to these names.
@@ -395,7 +395,7 @@ def actuate(
     p: list[float],
     clock: list[float],
     limits: list[float],
-    late: list[float],
+    dead_times: list[float],
     tick: int,
 ) -> None:
     """Turn commands into actuator values: the plant or the limits do it, then dead times."""
@@ -403,7 +403,7 @@ def actuate(
         ask_plant(ACTUATE, links, x, y, u, p, clock)
     else:
         limit(u, limits, clock[IN_SINGLE] != 0.0)
-    postpone(u, late, tick)
+    postpone(u, dead_times, tick)
 
 
 @kernel
@@ -464,7 +464,7 @@ def note_changes(drives: list[float], size: int, clock: list[float], tick: int) 
 # and from the path between set points, and the number of periods with a NaN error, left out of
 # both.
 
-HELD, LED, UNKNOWN = range(3)
+HELD, ALONG_PATH, UNKNOWN = range(3)
 """Rows of these sums, in order."""
 
 ERRORS = 3
@@ -481,7 +481,7 @@ def note_errors(
     count: int,
 ) -> None:
     """Add up the squared errors of a control period, for `count` outputs."""
-    led = len(path) > 0
+    has_path = len(path) > 0
     for i in range(count):
         value = board[taps[i]]
         error = board[taps[count + i]] - value
@@ -490,9 +490,9 @@ def note_errors(
         else:
             errors[HELD * count + i] += error * error
             # Without a path both sums have the held set point.
-            if led:
+            if has_path:
                 error = path[tick * count + i] - value
-            errors[LED * count + i] += error * error
+            errors[ALONG_PATH * count + i] += error * error
 
 
 # --- Actuators ---
@@ -647,7 +647,7 @@ def rms(errors: Vector) -> Vector:
         Samples of the tracking error; lost samples (NaN) do not count, none gives NaN.
     """
     if not len(errors):
-        return _none(errors)
+        return _all_nan(errors)
     # The last running sum equals np.mean's sum, in a third of the time.
     squares = np.add.accumulate(np.square(errors), axis=0)[-1]
     if np.isnan(squares).any():
@@ -682,5 +682,5 @@ def signed_maximum(errors: Vector, kind: Literal["magnitude", "positive"] = "mag
     return by_column(errors, lambda known: known[np.abs(known).argmax()])
 
 
-def _none(errors: Vector) -> Vector:
+def _all_nan(errors: Vector) -> Vector:
     return np.full(errors.shape[1], np.nan)

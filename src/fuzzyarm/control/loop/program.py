@@ -22,10 +22,10 @@ from fuzzyarm.control.controllers.robot_laws import EFFORTS, JointMoment, RobotL
 from fuzzyarm.control.controllers.text import ControllerRun
 from fuzzyarm.control.loop.course import Course, flat
 from fuzzyarm.control.loop.loop import (
+    ALONG_PATH,
     CHANGES,
     ERRORS,
     HELD,
-    LED,
     LOOP_ARRAYS,
     LOST,
     NEXT,
@@ -330,7 +330,7 @@ def shown_means(course: Course, record: RunRecord, kind: int) -> NDArray[np.floa
 
 EVERY_PERIOD: Mapping[str, Callable[[Course, RunRecord], NDArray[np.float64]]] = MappingProxyType({
     "rms_periods": lambda course, record: shown_means(course, record, HELD),
-    "rms_path": lambda course, record: shown_means(course, record, LED),
+    "rms_path": lambda course, record: shown_means(course, record, ALONG_PATH),
 })  # fmt: skip
 """Metrics of the tracked outputs from sums over all control periods, by name."""
 

@@ -151,7 +151,7 @@ class _Lowering:
                 drive = self.steps.variables[name]
                 if sent is None:
                     self.held[name] = last_of(name)
-                if sent is None or name in self.steps.kept:
+                if sent is None or name in self.steps.remembered:
                     role = "held" if sent is None else "last"
                     self._member(last_of(name), f"{drive.name}_{role}", self.outer, drive.start,
                                  axis=guard.axis, role=role)  # fmt: skip
@@ -233,7 +233,7 @@ class _Lowering:
         inner = [*inner, *self._when(settled, lasting, SETTLED)]
         lines = [*begun, *self._when(guard.condition, inner, ALL_NUMBERS)]
         lines += [Assign(last_of(name), symbol(name)) for name in guard.sent
-                  if name in self.steps.kept]  # fmt: skip
+                  if name in self.steps.remembered]  # fmt: skip
         if guard.every > 1:
             turn = symbol(turn_of(guard.axis))
             yield from self._when(apply("equal", turn, at(0)), lines, IN_TURN)
@@ -359,8 +359,8 @@ class _Lowering:
         responsible, rate_name, teaches, value, corrected = map(symbol, names.values())
         before, rate = self._value(lesson.rate)
         more, bound = self._value(lesson.bound)
-        place = cast(responsible, cells, INDEX)
-        old = cast(Element(key, place), self.outer, self.wide)
+        corrected_cell = cast(responsible, cells, INDEX)
+        old = cast(Element(key, corrected_cell), self.outer, self.wide)
         limited = replace(limited_value(), {"value": value, "bound": bound})
         ring = Element(f"{key} ring", symbol(f"{key} next"))
         taken: Node = ring if table.delay else cast(cell, INDEX, cells)
@@ -376,13 +376,13 @@ class _Lowering:
         remark = "none is, before the first delay is over" if table.delay else ""
         yield When(teaches, (Assign(names["value"], added),), remark=remark)
         yield Assign(names["corrected"], cast(limited, self.wide, self.outer))
-        self.taught[key] = teaches, place, corrected
+        self.taught[key] = teaches, corrected_cell, corrected
         self.lessons += self._lesson(table, key, cell)
 
     def _lesson(self, table: LearningTable, key: str, cell: Node) -> Iterator[Line]:
         """Yield the state updates of learning: the corrected value, the visit, the ring."""
-        teaches, place, corrected = self.taught[key]
-        yield When(teaches, (Store(key, place, corrected),))
+        teaches, corrected_cell, corrected = self.taught[key]
+        yield When(teaches, (Store(key, corrected_cell, corrected),))
         visits = f"{key} visits"
         yield Store(visits, cell, Element(visits, cell) + Whole(1, COUNT))
         if table.delay:
@@ -397,8 +397,8 @@ class _Lowering:
         value: Node = Element(step.table, cell)
         if step.table not in self.taught:
             return value
-        teaches, place, corrected = self.taught[step.table]
-        picked: Node = where(teaches & apply("equal", place, cell), corrected, value)
+        teaches, corrected_cell, corrected = self.taught[step.table]
+        picked: Node = where(teaches & apply("equal", corrected_cell, cell), corrected, value)
         return picked
 
 

@@ -212,10 +212,10 @@ class _Table:
         index: Node | None = None
         for axis, name, size in self._axes():
             points = self._points(axis, part)
-            found = self.program.search(
+            level = self.program.search(
                 points, 0, size - 1, symbol(name), kind=self.inside, reached=False
             )
-            index = found if index is None else index * at(size) + found
+            index = level if index is None else index * at(size) + level
         return at(0) if index is None else index
 
     def _interpolated(self) -> Node:
@@ -232,11 +232,11 @@ class _Table:
         offsets = corner_offsets(self.core.table.shape)
         if self.program.pointers:
             self.body.append(View("cell", values, cell))
-            places = [Element("cell", at(k)) for k in offsets]
+            elements = [Element("cell", at(k)) for k in offsets]
         else:
             first = self._set("cell", INDEX, cell)
-            places = [Element(values, first + at(k) if k else first) for k in offsets]
-        corners: list[Node] = [cast(place, self.inside, self.wide) for place in places]
+            elements = [Element(values, first + at(k) if k else first) for k in offsets]
+        corners: list[Node] = [cast(element, self.inside, self.wide) for element in elements]
         blended = self.program.function(f"blend {np.dtype(self.wide)}", self._blend())
         for side in range(len(shares) - 1, -1, -1):
             pairs = list(zip(corners[0::2], corners[1::2], strict=True))
@@ -255,10 +255,10 @@ class _Table:
         ends = self._number(low), self._number(high)
         limited = Called(self._clamp(), (given, *ends))
         x = self._set(f"x_{stem}", self.inside, limited)
-        found: Node = at(0)
+        lower: Node = at(0)
         if size > 2:
-            found = self.program.search(levels, 1, size - 2, x, kind=self.inside, reached=True)
-        index = self._set(f"i_{stem}", INDEX, found)
+            lower = self.program.search(levels, 1, size - 2, x, kind=self.inside, reached=True)
+        index = self._set(f"i_{stem}", INDEX, lower)
         way_ends = Element(levels, index), Element(levels, index + at(1))
         way = [cast(node, self.inside, self.wide) for node in (x, *way_ends)]
         if self.fixed:

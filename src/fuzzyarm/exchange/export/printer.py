@@ -211,15 +211,17 @@ class Printer:
         first = symbol("k") * at(width)
         row = [Element(key, first + at(i) if i else first) for i in range(width)]
         given = tuple(row[: test.inputs])
-        found = tuple(f"found {i}" for i in range(width - test.inputs))
+        results = tuple(f"found {i}" for i in range(width - test.inputs))
         local = {"failed": Variable("failed", TRUTH), "k": Variable("k", INDEX)}
-        local |= {name: Variable("found", test.kind) for name in found}
+        local |= {name: Variable("found", test.kind) for name in results}
         local["within"] = Variable("within", test.kind)
         if test.function:
-            lines: list[Line] = [Assign(found[0], Called(test.function, given))]
+            lines: list[Line] = [Assign(results[0], Called(test.function, given))]
         else:
-            lines = [Stepped(found, given + (Truth(False),) * test.late, test.guarded)]
-        pairs = zip(map(symbol, found), row[test.inputs :], strict=True)
+            lines = [
+                Stepped(results, given + (Truth(False),) * test.has_end_argument, test.guarded)
+            ]
+        pairs = zip(map(symbol, results), row[test.inputs :], strict=True)
         lines += judged(test, list(pairs), self.target)
         body = [Repeat("k", len(test.rows), tuple(lines))]
         function = Function("", {}, TRUTH, body, local, test.kind)
@@ -233,14 +235,14 @@ def judged(test: SelfTest, pairs: Sequence[tuple[Node, Node]], target: Target) -
     most: Node = constant(test.tolerance)
     if target.flawed_floats:
         flawed = apply("equal", constant(1.0) + 1e-10, 1.0)
-        most = where(flawed, constant(test.loose), constant(test.tolerance))
+        most = where(flawed, constant(test.tolerance_of_singles), constant(test.tolerance))
     within = symbol("within")
     lines: list[Line] = [Assign("within", most)]
-    for column, (found, expected) in enumerate(pairs):
-        off = found - expected
+    for column, (result, expected) in enumerate(pairs):
+        off = result - expected
         fine: Node = (off <= within) & (-within <= off)
         if any(np.isnan(row[test.inputs + column]) for row in test.rows):
-            fine = fine | (~apply("equal", expected, expected) & ~apply("equal", found, found))
+            fine = fine | (~apply("equal", expected, expected) & ~apply("equal", result, result))
         lines.append(When(~fine, (Assign("failed", Truth(True)),)))
     return lines
 

@@ -214,7 +214,7 @@ class Steps:
     # Axes for which it matters which period is the first one.
     needs_first: dict[str, None] = field(default_factory=dict)
     # Symbols of drives with a stored value: read later, or held between two runs.
-    kept: dict[str, None] = field(default_factory=dict)
+    remembered: dict[str, None] = field(default_factory=dict)
     blocks: list[Block] = field(default_factory=list)  # one for each axis
 
     def uses(self) -> Counter[str]:

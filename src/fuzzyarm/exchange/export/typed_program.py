@@ -307,9 +307,9 @@ class SelfTest:
     rows: Sequence[tuple[float, ...]]  # inputs, then results
     inputs: int  # how many of a row are inputs
     tolerance: float  # the largest difference of a result
-    loose: float  # the same for a port in floats of 32 bits
+    tolerance_of_singles: float  # the same for a port in floats of 32 bits
     # Whether a step has a last argument for the end of a set point, which is false.
-    late: bool = False
+    has_end_argument: bool = False
     guarded: bool = False  # whether it is of the guarded step
 
 

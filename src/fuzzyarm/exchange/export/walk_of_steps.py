@@ -13,6 +13,7 @@ from fuzzyarm.base.diagnostic import NOWHERE, Span
 from fuzzyarm.control.controllers.code import SourceError
 from fuzzyarm.control.controllers.period import (
     Algebra,
+    AxisGuard,
     AxisResults,
     Call,
     ControlPeriod,
@@ -20,7 +21,6 @@ from fuzzyarm.control.controllers.period import (
     PortValue,
     Remembered,
 )
-from fuzzyarm.control.controllers.period import Guard as AxisGuard
 from fuzzyarm.control.controllers.text import ControllerText, home_of, ports_of, sheet_path
 from fuzzyarm.exchange.export.forms import (
     NOT_A_NUMBER,
@@ -181,7 +181,7 @@ class Lines(Algebra[Node]):
         """Return the variable of a memory."""
         if cell.what == "last":
             drive = StepVariable("drive", cell.axis, cell.of).symbol
-            self.result.kept[drive] = None
+            self.result.remembered[drive] = None
             self.states[cell.name] = last_of(drive)
         elif cell.name not in self.states:
             stem = f"{cell.axis}_{cell.of}_{_SUFFIXES.get(cell.what, cell.what)}"
@@ -305,7 +305,7 @@ class Lines(Algebra[Node]):
         above: Node = x if low == -math.inf else op.maximum(x, low)
         return above if high == math.inf else op.minimum(above, high)
 
-    def near(self, x: Node, before: Node, most: float) -> Node:
+    def rate_limited(self, x: Node, before: Node, most: float) -> Node:
         """Return ``min(max(x, before - most), before + most)``."""
         nearest: Node = op.minimum(op.maximum(x, before - most), before + most)
         return nearest
@@ -357,7 +357,7 @@ class Lines(Algebra[Node]):
             sent[name] = guard.sent[port]
             # A sum of several lines is one more value that must be a number.
             drives.append(Set(name, self._number(value), rounded=True))
-            if name in self.result.kept and not self._is_limited(port):
+            if name in self.result.remembered and not self._is_limited(port):
                 self.finite.append(drives[-1].value)
         reads = tuple(StepVariable(*value).symbol for value in guard.reads)
         lasting = [*self._memory(), *drives]

@@ -551,7 +551,7 @@ class RuleSurface:
                 nothing = False
                 yield piece, shares
         if nothing:
-            raise SpanError(f"'{self.name}' is asked outside its range")
+            raise SpanError(f"'{self.name}' is evaluated outside its range")
 
     def pieces_of(self, cell: tuple[int, ...]) -> list[BoundedPiece]:
         """Return the pieces of a cell between corners of terms, by its index along each axis."""

@@ -224,11 +224,11 @@ class ProgramWalk:
         steepest = float(self._program.cells[state + code.STEEPEST])
         value = x
         if steepest < math.inf:  # else the cell keeps a value for other axes
-            value = self._near(x, self._load(state + code.LAST_DRIVE), steepest)
+            value = self._rate_limited(x, self._load(state + code.LAST_DRIVE), steepest)
         self._keep(state + code.LAST_DRIVE, value)
         return value
 
-    def _near(self, value: Any, before: Any, steepest: float) -> Any:
+    def _rate_limited(self, value: Any, before: Any, steepest: float) -> Any:
         """Return a value with its change per period limited."""
         numbers = self._numbers
         most = numbers.number(steepest * self.problem.period)
@@ -394,7 +394,7 @@ class ProgramWalk:
         value = numbers.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"driven:{address[0]}.{address[1]}"
-            value = self._near(value, self._state(name), port.slew)
+            value = self._rate_limited(value, self._state(name), port.slew)
             self._after[name] = value
         for name in self._queue("pending", address, port):
             self._after[name], value = value, self._state(name)

@@ -220,7 +220,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
         ends = [None if math.isinf(end) else Fraction(end) for end in (low, high)]
         return self._held(x, ends[0], ends[1], f"a limit, {low:g} .. {high:g}")
 
-    def near(self, x: Affine, before: Affine, most: float) -> Affine:
+    def rate_limited(self, x: Affine, before: Affine, most: float) -> Affine:
         """Return a signal whose change in one period is limited."""
         change = self.subtract(x, before)
         if change.is_constant or self.is_search:

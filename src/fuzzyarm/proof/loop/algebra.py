@@ -100,7 +100,7 @@ class Zonotopes(LoopAlgebra[Number]):
         inside = (bounds.low >= low) & (bounds.high <= high)
         return chosen(inside, Forms.at(np.zeros(self.batch)), moved)
 
-    def near(self, x: Number, before: Number, most: float) -> Number:
+    def rate_limited(self, x: Number, before: Number, most: float) -> Number:
         """Return ``min(max(x, before - most), before + most)``."""
         forms, last = self.forms(x), self.forms(before)
         # `most` is a rounded product of floats in the loop: widened by a neighbour each way.

@@ -283,11 +283,11 @@ class Follower:
                 begins.append(period + index / len(steps))
                 ends.append(period + (index + 1) / len(steps))
                 last = period + 1 if index + 1 == len(steps) else period
-                for found, values, begin in zip(
+                for ranges, values, begin in zip(
                     (between, at), outputs, (period, last), strict=True
                 ):
                     joined = _joined(values, intervals)
-                    found.append(self._with_errors(joined, begin, period + 1))
+                    ranges.append(self._with_errors(joined, begin, period + 1))
                 undone |= self._violated(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
             if self.goal is not None:
                 signs = self.goal(period + 1, states, memory)

@@ -263,7 +263,7 @@ class _Slopes(LoopAlgebra[_Slope]):
             )
         return _Slope(min(max(x.value, low), high), x.by)
 
-    def near(self, x: _Slope, before: _Slope, most: float) -> _Slope:
+    def rate_limited(self, x: _Slope, before: _Slope, most: float) -> _Slope:
         """Return it unchanged: at rest no rate limit is active."""
         return x
 

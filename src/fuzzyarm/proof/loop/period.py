@@ -202,7 +202,7 @@ class LoopPeriod(Generic[T]):
         value = algebra.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"{address[0]}.{address[1]} driven"
-            value = algebra.near(value, self._state(name), port.slew * self.problem.period)
+            value = algebra.rate_limited(value, self._state(name), port.slew * self.problem.period)
             self._after[name] = value
         count = _periods(port, self.problem.period)
         return self._delayed(f"{address[0]}.{address[1]} pending", count, value)

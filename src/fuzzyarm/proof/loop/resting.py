@@ -39,7 +39,7 @@ class _Unlimited(Floats, LoopAlgebra[float]):
         """Return it unchanged."""
         return x
 
-    def near(self, x: float, before: float, most: float) -> float:
+    def rate_limited(self, x: float, before: float, most: float) -> float:
         """Return it unchanged."""
         return x
 

@@ -125,7 +125,7 @@ class _Parities(LoopAlgebra[Parity]):
             raise _NotOddError
         return x
 
-    def near(self, x: Parity, before: Parity, most: float) -> Parity:
+    def rate_limited(self, x: Parity, before: Parity, most: float) -> Parity:
         """Return ``min(max(x, before - most), before + most)``."""
         return self.add(x, before)
 

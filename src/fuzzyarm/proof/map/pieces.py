@@ -152,10 +152,12 @@ class PieceGrid:
         self.opened: list[Array] = []
         exact: list[tuple[list[Fraction], list[Fraction]]] = [([], []) for _ in lines]
         for i, (low, high) in enumerate(region.box):
-            mine = [(n, corners) for n, (owner, corners) in enumerate(lines) if owner == i]
+            own_lines = [(n, corners) for n, (owner, corners) in enumerate(lines) if owner == i]
             extra = list(region.positions[i]) if region.positions else []
-            cuts = _cuts([corners for _, corners in mine], low, high, extra, levels)
-            cells, opened = self._cells_of(cuts, mine, exact, set(extra) if region.steps else set())
+            cuts = _cuts([corners for _, corners in own_lines], low, high, extra, levels)
+            cells, opened = self._cells_of(
+                cuts, own_lines, exact, set(extra) if region.steps else set()
+            )
             self.cells.append(cells)
             self.jumps.append(bool(opened.any()))
             self.opened.append(opened)
@@ -168,7 +170,7 @@ class PieceGrid:
         self.coarse = self._coarse_cells(exact)
 
     def _coarse_cells(self, exact: list[tuple[list[Fraction], list[Fraction]]]) -> list[Array]:
-        """Tell, for each input, the cells of which all ends are on the coarse grid of heights."""
+        """Return, for each input, which cells have all ends on the coarse grid of heights."""
         coarse = [np.ones(len(cells), dtype=bool) for cells in self.cells]
         if self.arithmetic.exact:
             return coarse
@@ -180,7 +182,7 @@ class PieceGrid:
     def _cells_of(
         self,
         cuts: list[Fraction],
-        mine: list[tuple[int, Corners]],
+        own_lines: list[tuple[int, Corners]],
         exact: list[tuple[list[Fraction], list[Fraction]]],
         steps: set[Fraction],
     ) -> tuple[list[Cell], Array]:
@@ -190,10 +192,10 @@ class PieceGrid:
         lines = []
         for a, b in stretches:
             self.stop.check()  # a thousand terms have a million ends
-            lines.append([_line_between(corners, a, b) for _, corners in mine])
+            lines.append([_line_between(corners, a, b) for _, corners in own_lines])
         for index, x in enumerate(cuts):
             self.stop.check()
-            at = [height_at(corners, x) for _, corners in mine]
+            at = [height_at(corners, x) for _, corners in own_lines]
             before = [b for _, b in lines[index - 1]] if index else None
             after = [a for a, _ in lines[index]] if index < len(lines) else None
             if before is not None:
@@ -202,13 +204,13 @@ class PieceGrid:
             if at not in sides:  # a value unlike both sides, or with a table this point only
                 cells.append(Cell(x, x))
                 opened.append([False, False])
-                for (number, _), value in zip(mine, at, strict=True):
+                for (number, _), value in zip(own_lines, at, strict=True):
                     exact[number][0].append(value)
                     exact[number][1].append(value)
             if after is not None:
                 cells.append(Cell(*stretches[index]))
                 opened.append([at != after, False])
-                for (number, _), (a, b) in zip(mine, lines[index], strict=True):
+                for (number, _), (a, b) in zip(own_lines, lines[index], strict=True):
                     exact[number][0].append(a)
                     exact[number][1].append(b)
         return cells, np.array(opened)
@@ -388,17 +390,17 @@ class Pieces:
         if count > self.most:
             raise TooManyPiecesError(count, self.most)
 
-    def _make_room(self, count: int) -> None:
+    def _reserve(self, count: int) -> None:
         self._demand_few(count)
-        room = len(self._cell)
-        if count <= room:
+        capacity = len(self._cell)
+        if count <= capacity:
             return
-        more = min(max(count, 2 * room), self.most) - room
+        more = min(max(count, 2 * capacity), self.most) - capacity
         names = ("_cell", "_corners", "_heights", "_slopes", "_terms", "_doubtful", "_zeros")
         for name in (*names, "_coarse", "_sure"):
             array = getattr(self, name)
-            grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
-            grown[:room] = array
+            grown = np.empty((capacity + more, *array.shape[1:]), dtype=array.dtype)
+            grown[:capacity] = array
             setattr(self, name, grown)
 
     @property
@@ -423,7 +425,7 @@ class Pieces:
         return positions
 
     def holds(self, which: Array, shares: Array) -> Array:
-        """Return at which points, in cell coordinates, no membership jumps away."""
+        """Return at which points (cell coordinates) memberships are their limits from inside."""
         held = np.ones(len(which), dtype=bool)
         for i, opened in enumerate(self.grid.opened):
             ends = opened[self.cell[which, i]]
@@ -480,7 +482,7 @@ class Pieces:
                 return truth
             return _Affine(truth.values * weight, truth.slopes * weight)
 
-        def against(which: Array) -> list[_Comparison]:
+        def undecided_on(which: Array) -> list[_Comparison]:
             undecided: list[_Comparison] = []
             truth = strength(which, undecided)
             for column in () if adds else rule.columns:
@@ -489,7 +491,7 @@ class Pieces:
             return undecided
 
         which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
-        which = self._refine(which, against)
+        which = self._refine(which, undecided_on)
         truth = strength(which, [])
         for column in rule.columns:
             if adds:
@@ -590,7 +592,7 @@ class Pieces:
             some = [self.rises(first + m) for m in (overlap.member, *overlap.others)]
             which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
 
-            def against(ids: Array, overlap: Any = overlap, levels: Any = levels) -> Any:
+            def undecided_on(ids: Array, overlap: Any = overlap, levels: Any = levels) -> Any:
                 undecided = []
                 above = self._height(first + overlap.others[0], ids)
                 for other in overlap.others[1:]:
@@ -602,7 +604,7 @@ class Pieces:
                 lower = _chosen(own, above, largest=False)
                 return [*undecided, *(self._at_level(lower, level) for level in levels)]
 
-            self._refine(which, against)
+            self._refine(which, undecided_on)
 
     def rises(self, column: int) -> Array:
         """Return the pieces on which a height is not 0 throughout, if only by its slope."""
@@ -706,7 +708,7 @@ class Pieces:
         span = gap[rows, above] - gap[rows, below]
         share = gap[rows, above] / span
         start, end = self.count, self.count + len(which)
-        self._make_room(end)
+        self._reserve(end)
         self.count = end
         middles = []
         for values in (self._corners, self._heights):
@@ -755,7 +757,7 @@ def _inner_levels(layers: Layers) -> list[Fraction]:
 
 def cut(
     model: Straight,
-    what: Cut,
+    region: Cut,
     arithmetic: Arithmetic,
     only: Array | None = None,
     stop: Stop | None = None,
@@ -765,8 +767,8 @@ def cut(
     `only`: indices of cells (:attr:`Pieces.flat_cells`), all by default. Raises TooManyPiecesError
     beyond :data:`MOST_PIECES` or the memory, and TimeOverError.
     """
-    pieces = Pieces(model, what, arithmetic, only, stop)
+    pieces = Pieces(model, region, arithmetic, only, stop)
     pieces.fire()
-    if what.form:
-        pieces.cut_at_form(what.form)
+    if region.form:
+        pieces.cut_at_form(region.form)
     return pieces

@@ -248,11 +248,11 @@ class Surface:
         # which belongs to no neighbour.
         for count in range(len(vertices), 0, -1) if rows.size else ():
             for face in combinations(vertices, count):
-                found = self._middle_without_rule(
+                point = self._middle_without_rule(
                     rows, zero, np.isin(vertices, face), valued=valued
                 )
-                if found is not None:
-                    return found
+                if point is not None:
+                    return point
         return None
 
     def _middle_without_rule(

@@ -227,7 +227,7 @@ class LineWalk(Algebra[SignalLaw]):
         """Return it unchanged: limits of drives are judged from the records."""
         return x
 
-    def near(self, x: SignalLaw, before: SignalLaw, most: float) -> SignalLaw:
+    def rate_limited(self, x: SignalLaw, before: SignalLaw, most: float) -> SignalLaw:
         """Return it unchanged."""
         return x
 
