@@ -327,6 +327,17 @@ def test_a_text_that_no_file_can_hold_is_refused(certificate, tmp_path):
         read_certificate(str(path))
 
 
+def test_periods_beyond_any_run_are_refused_in_a_sentence(certificate, tmp_path):
+    """Arrays of periods overflowed."""
+    path = tmp_path / "tube.json"
+    data = certificate.as_data()
+    data.pop("seal")
+    data["tubes"][0]["periods"] = 1 << 63
+    path.write_text(json.dumps(sealed(data)), encoding="utf-8")
+    with pytest.raises(CertificateError, match=r"'tubes\[0\].periods' is too large"):
+        read_certificate(str(path))
+
+
 def test_a_file_nested_without_end_is_refused_in_a_sentence(tmp_path):
     path = tmp_path / "deep.json"
     for depth in range(940, 1000):  # where first the seal, then already the reader gives up

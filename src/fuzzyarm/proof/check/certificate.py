@@ -429,6 +429,8 @@ class Field:
         """As a whole number, 0 or more."""
         if isinstance(self.value, bool) or not isinstance(self.value, int) or self.value < 0:
             self.refuse("is not a whole number")
+        if self.value >= 1 << 53:
+            self.refuse("is too large")
         return self.value
 
     @property
