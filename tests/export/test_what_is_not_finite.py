@@ -60,7 +60,24 @@ axis tank
   drive heat = s, within -20 .. 20
 """
 
-TEXTS = {"gap": GAP, "relays": RELAYS, "everything": EVERYTHING, "soc-table": None, "cfaf": None}
+WITHOUT_LIMITS = f"""{GAP[: GAP.index("controller")]}controller plain
+period 1 s
+axis tank
+  h = error of level
+  v = rules gap(h) * 10
+  u = v * 2
+  drive valve = u
+  drive pump = h, within -9 .. 9
+"""
+
+TEXTS = {
+    "gap": GAP,
+    "without-limits": WITHOUT_LIMITS,
+    "relays": RELAYS,
+    "everything": EVERYTHING,
+    "soc-table": None,
+    "cfaf": None,
+}
 
 ODD = (math.nan, math.inf, -math.inf, 1.7e308, -1.7e308)
 

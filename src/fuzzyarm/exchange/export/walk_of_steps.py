@@ -396,8 +396,9 @@ class Lines(Algebra[Node]):
         implied = {x.name for x in self.finite if isinstance(x, Symbol)}
         for name, value in reversed(self.numbers.items()):
             seen = name in implied or name.endswith(" next")
-            if not seen and NOT_A_NUMBER in endless(value, self._known()):
-                left.append(name)
+            if not seen and NOT_A_NUMBER not in endless(value, self._known()):
+                continue  # a number if its sources are, which are not checked by it
+            left += [name] * (not seen)
             implied |= nan_sources(value)
         return tuple(reversed(left))
 
