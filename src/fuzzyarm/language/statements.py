@@ -12,11 +12,12 @@ of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``. A field of the m
 statement fills is written by ``_sections`` of :mod:`fuzzyarm.language.writer`, drawn in
 ``tests/strategies.py`` (``tests/language/test_round_trips.py`` names a field that is not, and finds
 what is not written), built again in ``tests/python/test_builder.py``, and a loss in
-``note_left_out`` of :mod:`fuzzyarm.exchange.formats.system_writer`
-(``tests/formats/test_format_roundtrips.py`` finds a silent one). A setting of tables is a field of
-``Lookup`` and of ``LookupTable`` (``tests/table/test_compiler.py``), a line of its files
-(:mod:`fuzzyarm.table.header`, :mod:`fuzzyarm.table.files`, ``tests/table/test_table_files.py``),
-and an option of ``compile`` in :mod:`fuzzyarm.requests.making`.
+``note_left_out`` of :mod:`fuzzyarm.exchange.formats.system_writer` and in
+``docs/reference/formats.md`` (``test_format_roundtrips.py`` and ``test_format_page.py`` of
+``tests/formats``). A setting of tables is a field of ``Lookup`` and of ``LookupTable``
+(``tests/table/test_compiler.py``), a line of its files (:mod:`fuzzyarm.table.header`,
+:mod:`fuzzyarm.table.files`, ``tests/table/test_table_files.py``), and an option of ``compile`` in
+:mod:`fuzzyarm.requests.making`.
 
 Further steps: a section with an example in ``docs/reference/language.md``, which the tests parse; a
 line in ``docs/reference/checks.md`` for each new finding; ``tools/make_schemas.py``;
