@@ -1,4 +1,4 @@
-"""`diff` sees a change of each number and each word of a rule base, down to the last bit."""
+"""`diff` sees each changed number and word of a rule base or a table, down to the last bit."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from fuzzyarm.apps.show.diff import compare_rulebases
 from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.language import parse
+from fuzzyarm.table import Axis, LookupTable, TableError, compare_tables
 
 TEXT = """\
 rulebase r "of all sorts"
@@ -32,7 +35,7 @@ lookup
 """
 
 # Fields that mean nothing to inference or a table: places, forms, words for people, and demands.
-ASIDE = {"span", "in_grid", "description", "expectations", "properties", "tuning"}
+ASIDE = {"span", "in_grid", "description", "expectations", "properties", "tuning", "provenance"}
 
 Path = tuple[Any, ...]
 
@@ -61,11 +64,9 @@ def with_value(node: Any, path: Path, new: Any) -> Any:
     return (*node[:first], with_value(node[first], tuple(rest), new), *node[first + 1 :])
 
 
-def test_each_number_and_each_word_counts() -> None:
-    rulebase = parse(TEXT).rulebase
-    assert rulebase is not None
-    unseen, seen = [], 0
-    for path, value in values(rulebase):
+def changes(node: Any) -> Iterator[tuple[Path, Any]]:
+    """Yield the model with each number and each word changed, where that makes sense."""
+    for path, value in values(node):
         if path[-1] == "formula":  # of a shape that has none
             continue
         new = (
@@ -74,11 +75,27 @@ def test_each_number_and_each_word_counts() -> None:
             else value + 1
         )  # fmt: skip
         try:
-            changed = with_value(rulebase, path, new)
-        except RuleBaseError:  # no such shape, no such defuzzifier
+            yield path, with_value(node, path, new)
+        except (RuleBaseError, TableError):  # no such shape, no such defuzzifier, no such mode
             continue
-        seen += 1
-        if compare_rulebases(rulebase, changed).same:
-            unseen.append(path)
-    assert unseen == []
-    assert seen > 60
+
+
+def test_each_number_and_each_word_counts() -> None:
+    rulebase = parse(TEXT).rulebase
+    assert rulebase is not None
+    seen = [
+        (path, compare_rulebases(rulebase, changed).same) for path, changed in changes(rulebase)
+    ]
+    assert [path for path, same in seen if same] == []
+    assert len(seen) > 60
+
+
+def test_each_setting_of_a_table_counts() -> None:
+    axes = (Axis("e", (-1.0, 0.0, 2.0), (-0.5, 1.0), -2.0, 3.0), Axis("ce", (0.0, 1.0)))
+    table = LookupTable(axes, "u", np.eye(3, 2), low=-6.0, high=6.0, rounding=0.5, mode="linear")
+    seen = [(path, compare_tables(table, changed).same) for path, changed in changes(table)]
+    assert [path for path, same in seen if same] == []
+    parts = {part for path, _ in seen for part in path if isinstance(part, str)}
+    named = {each.name for kind in (LookupTable, Axis) for each in dataclasses.fields(kind)}
+    assert named - parts - ASIDE == {"mode"}
+    assert not compare_tables(table, dataclasses.replace(table, mode="bins")).same

@@ -50,7 +50,7 @@ class TableDiff:
 
     @property
     def same(self) -> bool:
-        """Whether nothing differs, provenance aside."""
+        """Whether nothing differs, provenance and descriptions aside."""
         return self.comparable and not self.changes and not self.header and not self.transposed
 
     @property
@@ -123,10 +123,16 @@ def _change(before: LookupTable, after: LookupTable, index: tuple[int, ...]) -> 
 
 def _header(before: LookupTable, after: LookupTable) -> tuple[tuple[str, str, str], ...]:
     from fuzzyarm.base.numbers import short_bins, short_levels
+    from fuzzyarm.table.header import range_text
 
     rows: list[tuple[str, str, str]] = [
         ("output", before.output, after.output),
         ("inputs", ", ".join(before.names), ", ".join(after.names)),
+        (
+            "range",
+            range_text(before.low, before.high) or "none",
+            range_text(after.low, after.high) or "none",
+        ),
         ("round", str(before.rounding or "none"), str(after.rounding or "none")),
         ("mode", before.default_mode, after.default_mode),
     ]
@@ -136,6 +142,8 @@ def _header(before: LookupTable, after: LookupTable) -> tuple[tuple[str, str, st
             rows.append(
                 (f"levels {axis.name}", short_levels(axis.levels), short_levels(other.levels))
             )
+            ranges = [range_text(a.low, a.high) for a in (axis, other)]
+            rows.append((f"range {axis.name}", ranges[0], ranges[1]))
             bins = [short_bins(a.bins) if a.bins else "none" for a in (axis, other)]
             rows.append((f"bins {axis.name}", bins[0], bins[1]))
     return tuple(row for row in rows if row[1] != row[2])

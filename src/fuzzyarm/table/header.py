@@ -141,8 +141,12 @@ def _read_variable(cursor: Cursor, what: str, *, need_range: bool) -> VariableLi
 
 def _print_variables(table: TableHeader) -> list[str]:
     """Return the lines of inputs and output, aligned."""
-    rows = [("input", spelled(a.name), _range(a.low, a.high), a.description) for a in table.axes]
-    rows.append(("output", spelled(table.output), _range(table.low, table.high), table.description))
+    rows = [
+        ("input", spelled(a.name), range_text(a.low, a.high), a.description) for a in table.axes
+    ]
+    rows.append(
+        ("output", spelled(table.output), range_text(table.low, table.high), table.description)
+    )
     names = max(len(name) for _, name, _, _ in rows)
     ranges = max(len(ends) for _, _, ends, _ in rows)
     lines = []
@@ -152,7 +156,8 @@ def _print_variables(table: TableHeader) -> list[str]:
     return lines
 
 
-def _range(low: float | None, high: float | None) -> str:
+def range_text(low: float | None, high: float | None) -> str:
+    """Return a range as a header has it; empty if there is none."""
     return "" if low is None or high is None else f"{number_text(low)} .. {number_text(high)}"
 
 
