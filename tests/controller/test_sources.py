@@ -245,6 +245,15 @@ def test_its_unit_has_the_seconds_of_its_record(word):
     assert any(found)
 
 
+@pytest.mark.parametrize("word", [w for w in UPDATED if SOURCES[w].bounded_by == "signal"])
+@given(xs=VALUES)
+@settings(max_examples=cases(20, 60), deadline=None)
+def test_one_that_its_signal_bounds_stays_between_it_and_0(word, xs):
+    kind = SOURCES[word]
+    values = list(values_of(kind, settings_of(kind, every=False), xs))
+    assert min(0.0, *xs) - 1e-12 <= min(values) <= max(values) <= max(0.0, *xs) + 1e-12
+
+
 @pytest.mark.parametrize("word", [word for word in UPDATED if SOURCES[word].of == "signal"])
 def test_a_difference_alone_stays_where_its_operand_is_shifted(word):
     kind = SOURCES[word]
