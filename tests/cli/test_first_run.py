@@ -19,15 +19,6 @@ def words_of(out):
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue()).replace("\r", "\n")
 
 
-def display_on(out):
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    console = Console(file=out, force_terminal=True, width=100, color_system=None)
-    columns = (TextColumn("{task.description}"), BarColumn(20), TextColumn("{task.percentage:.0f}"))
-    return Progress(*columns, console=console, transient=True, auto_refresh=False)
-
-
 def test_what_is_soon_done_shows_nothing_where_there_is_no_terminal(capsys):
     with commands.busy("running") as tell:
         tell("still running")

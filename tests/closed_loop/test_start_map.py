@@ -22,7 +22,7 @@ from fuzzyarm.proof.loop.algebra import Zonotopes
 from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box, Nearness
-from fuzzyarm.proof.loop.map_search import MapSearch, _remaining, map_starts
+from fuzzyarm.proof.loop.map_search import MapSearch, _read_row, _remaining, map_starts
 from fuzzyarm.proof.loop.planes import RulePlanes
 from fuzzyarm.proof.loop.pool import Pool, _Swarm
 from fuzzyarm.proof.loop.runs import run_of
@@ -142,6 +142,19 @@ def test_a_limit_that_some_boxes_reach_holds_no_integral_of_the_others() -> None
     )  # fmt: skip
     assert found.share("proved") == pytest.approx(1.0)
     assert found.settled == found.settled_proved == 400
+
+
+@pytest.mark.parametrize(
+    ("box", "verdict", "periods"),
+    [
+        ("0 1", "proved", "²"), ("0 1", "proved", "-1"), ("0 1", "proved", "9" * 10),
+        ("1 1", "proved", "1"), ("0 inf", "proved", "1"), ("0 1", "open", "1"),
+    ],
+)  # fmt: skip
+def test_a_row_that_is_no_box_of_a_journal_is_refused(box: str, verdict: str, periods: str) -> None:
+    assert _read_row(["0", "1", "proved", "7", ""]) == MappedBox((0.0,), (1.0,), "proved", 7)
+    with pytest.raises(ValueError, match=r"^$"):
+        _read_row([*box.split(), verdict, periods, ""])
 
 
 def test_what_is_left_of_a_box() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -213,11 +212,3 @@ def model_drives(text, steps, rows, *, single=False):
         drives = run.step(*given.values())
         found.append([drives[steps.port_name(p)] for p in steps.of_sort("drive")])
     return np.array(found)
-
-
-def is_close(a, b, last_places):
-    """Whether arrays differ by so many last places of single precision of the largest."""
-    largest = float(np.abs(b).max())
-    return math.isfinite(largest) and bool(
-        np.abs(a - b).max() <= last_places * np.finfo(np.float32).eps * largest
-    )

@@ -728,8 +728,6 @@ def test_what_is_wrong_with_a_formula_is_found_before_it_is_evaluated(name, form
 
 # --- Terms that lie unlike all others ---
 
-SEVEN = ("NB", "NM", "NS", "ZE", "PS", "PM", "PB")
-
 
 def moved_term(term, shape):
     return PD7.replace("\ninference", f"\nterm e {term}: {shape}\n\ninference")
