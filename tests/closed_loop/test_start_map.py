@@ -202,7 +202,7 @@ def test_a_set_halved_on_its_way_holds_all_starts_of_its_box(low: float) -> None
     problem = loop_of("servo.frb", "motor", f"position in {low!r} .. {low + 1e-9!r}")
     nothing = np.zeros(1, dtype=np.int64)
     pool = Pool(problem, lambda *_: Nearness(np.zeros(1), np.zeros((1, 1)), np.zeros(1)), 9, Stop())
-    states, constants = pool.follower._begun([pool.follower.first])
+    states, constants = pool.follower.start_forms([pool.follower.first])
     swarm = _Swarm(
         states, constants, {}, [pool.follower.first], nothing, nothing, np.ones((1, 1)), nothing,
         np.ones(1),
