@@ -109,7 +109,10 @@ def short_bins(bins: Sequence[float]) -> str:
 
 
 def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
-    """Return a number to some digits, rounded outward so that a bound stays valid."""
+    """Return a number to some digits, rounded outward so that a bound stays valid.
+
+    A number that Python writes with as few digits is written so: read back, it is the same.
+    """
     if not math.isfinite(value) or value == 0.0:
         return f"{value:g}"
     from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal

@@ -204,8 +204,9 @@ def _reach_words(low: float, high: float, rests: tuple[float, float] | None, dig
     """Return the reach of an ellipsoid in words, around each rest if parameters move it."""
     if rests is None:
         return f"in {inward_interval(low, high, digits)}"
-    far = outward_text((high - low - (rests[1] - rests[0])) / 2, up=False, digits=digits)
-    return f"± {far} around where it rests, {_rest_words(rests, digits)}"
+    far = float_below((exact(high) - exact(low) - exact(rests[1]) + exact(rests[0])) / 2)
+    reach = outward_text(far, up=False, digits=digits)
+    return f"± {reach} around where it rests, {_rest_words(rests, digits)}"
 
 
 def _rest_words(rests: tuple[float, float], digits: int) -> str:
@@ -446,8 +447,11 @@ def _facts_of_parts(proofs: Sequence[CheckedProof]) -> dict[str, Any]:
             region[name] = max(a for a, _ in ends), min(b for _, b in ends)
             continue
         rests[name] = low, high
-        around = min(min(a - x, y - b) for (a, b), (x, y) in zip(spans, ends, strict=True))
-        region[name] = low - around, high + around
+        around = min(
+            min(exact(a) - exact(x), exact(y) - exact(b))
+            for (a, b), (x, y) in zip(spans, ends, strict=True)
+        )
+        region[name] = float_above(exact(low) - around), float_below(exact(high) + around)
     alone = {
         name: min(each["start_region"][name] for each in facts)
         for name in facts[0]["start_region"]
