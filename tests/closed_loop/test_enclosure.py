@@ -33,8 +33,13 @@ POINTS = {
 }
 
 
+@pytest.fixture(autouse=True, scope="module")
+def precision():
+    with flint.ctx.workprec(200):
+        yield
+
+
 def ball(value: float):
-    flint.ctx.prec = 200
     return flint.arb(value)
 
 
