@@ -14,6 +14,7 @@ from fuzzyarm.apps.designer.exports import files_of
 from fuzzyarm.apps.designer.folder import converted_file
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.language import parse
 
 CHROMIUM = program("chromium")
 pytestmark = [
@@ -160,6 +161,32 @@ def test_corners_move_by_keyboard_with_their_neighbours(served, window):
         "term u PM: triangle 2 4.2 6",
         "term u PB: triangle 4.2 6 8",
     ]
+
+
+@pytest.mark.parametrize(
+    ("corner", "peaks"),
+    [
+        ("e PS: corner 2", (-2.1, 0, 2.1)),
+        ("e NS: corner 2", (-1.9, 0, 1.9)),
+        ("e ZE: corner 2", (-2, 0.1, 2)),
+    ],
+)
+def test_a_mirrored_partition_stays_one(served, window, corner, peaks):
+    page = window(put(served, f"both-{corner[2:4]}.frb")[1])
+    page.get_by_label("Partition").check()
+    page.get_by_label("Mirror").check()
+    page.get_by_label(corner, exact=True).focus()
+    page.keyboard.press("ArrowRight")
+    until(lambda: "term e PS" in text_of(page), "the step")
+    shapes = {
+        term.name: term.shape.parameters for term in parse(text_of(page)).rulebase.inputs[0].terms
+    }
+    low, middle, high = peaks
+    assert shapes["NM"] == (-6, -4, low)
+    assert shapes["NS"] == (-4, low, middle)
+    assert shapes["ZE"] == peaks
+    assert shapes["PS"] == (middle, high, 4)
+    assert shapes["PM"] == (high, 4, 6)
 
 
 def test_the_keyboard_goes_from_pane_to_pane_and_fields_keep_their_steps_back(served, window):

@@ -4,6 +4,7 @@ import {
   WIDTHS,
   cornersOf,
   following,
+  joined,
   mirrorOf,
   moved,
   piecesOf,
@@ -74,4 +75,16 @@ test("a neighbour takes the corners that it shares, and its others as somebody w
   assert.deepEqual(moved(shape, left, 1, 15), [0, 15, 26.6667]);
   assert.deepEqual(moved({ handles: [0] }, [0.1], null, 0, 0.2), [0.3]);
   assert.deepEqual(moved({ handles: [0] }, [1234567.25], null, 0, 1), [1234568.25]);
+});
+
+test("what is a neighbour on one side and an image on the other keeps the feet of both", () => {
+  const shape = { handles: [0, 1, 2] };
+  const own = { old: [-2, 0, 2], next: [-2, 0, 2.4] };
+  const image = { old: [-2, 0, 2], next: [-2.4, 0, 2] };
+  assert.deepEqual(joined(shape, own, image), [-2.4, 0, 2.4]);
+  assert.deepEqual(joined(shape, { ...own, next: [-2, 0.5, 2] }, { ...image, next: [-2, -0.5, 2] }), [-2, 0.5, 2]);
+  assert.deepEqual(
+    joined(shape, { old: [-2, -1, 2], next: [-2, -1, 0] }, { old: [-2, 1, 2], next: [0, 1, 2] }),
+    [-2, -1, 0],
+  );
 });

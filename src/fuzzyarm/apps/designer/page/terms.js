@@ -27,6 +27,7 @@ import {
   WIDTHS,
   following,
   moved,
+  joined,
   mirrorOf,
   TURNED,
 } from "./geometry/shapes.js";
@@ -586,13 +587,20 @@ export class TermsPane extends Pane {
 
   mirrored = (variable, changed) => {
     const [low, high] = rangeOf(variable);
-    for (const [shape, next] of [...changed]) {
+    const moves = [...changed];
+    for (const [shape, next] of moves) {
       const place = variable.terms.findIndex((term) => sidesOf(term).includes(shape));
       const term = variable.terms[variable.terms.length - 1 - place];
-      const other = sidesOf(term)[shape.side ?? 0];
-      if (!other || other === shape || other.kind !== (TURNED[shape.kind] ?? shape.kind)) continue;
-      const parameters = mirrorOf(shape.kind, next.parameters, low + high);
-      if (parameters) changed.set(other, { parameters, height: next.height });
+      const other = sidesOf(term)[shape.side ?? 0]; // the term in the middle is its own image
+      if (!other || other.kind !== (TURNED[shape.kind] ?? shape.kind)) continue;
+      const image = (parameters) => mirrorOf(shape.kind, parameters, low + high);
+      const parameters = image(next.parameters);
+      if (!parameters) continue;
+      const own = changed.get(other) ?? null;
+      const from = (each) => this.drag.from.get(each).parameters;
+      const both = () =>
+        joined(other, { old: from(other), next: own.parameters }, { old: image(from(shape)), next: parameters });
+      changed.set(other, own ? { ...own, parameters: both() } : { parameters, height: next.height });
     }
   };
 

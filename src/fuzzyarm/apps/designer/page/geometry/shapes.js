@@ -96,12 +96,14 @@ const TYPED = 12; // digits of a number that somebody may have typed; with more 
 /** A number as it may stand in the text: a computed one, such as 13.333333333333334, by six digits. */
 const written = (x) => (String(x).replace(/^-|\.|e.*$/g, "").length > TYPED ? Number(x.toPrecision(6)) : x);
 
+const near = (a, b) => a === b || Math.abs(a - b) < 1e-5 * (Math.abs(a) + Math.abs(b)); // one may have been written
+const ascends = (shape, p) => shape.handles.every((i, k) => !k || p[shape.handles[k - 1]] <= p[i]);
+
 /**
  * Parameters of a neighbour whose corners coincide with those of a shape that has moved from `old` to `next`; null where
  * it has none of them, or they would no longer ascend.
  */
 export function following(neighbour, parameters, shape, old, next) {
-  const near = (a, b) => a === b || Math.abs(a - b) < 1e-5 * (Math.abs(a) + Math.abs(b)); // one may have been written
   let isShared = false;
   const to = parameters.map((x, i) => {
     const place = neighbour.handles.includes(i) ? shape.handles.findIndex((k) => near(old[k], x)) : -1;
@@ -109,8 +111,7 @@ export function following(neighbour, parameters, shape, old, next) {
     isShared ||= !near(next[shape.handles[place]], old[shape.handles[place]]);
     return next[shape.handles[place]];
   });
-  const isSorted = neighbour.handles.every((i, k) => !k || to[neighbour.handles[k - 1]] <= to[i]);
-  return isShared && isSorted ? to : null;
+  return isShared && ascends(neighbour, to) ? to : null;
 }
 
 /** Parameters of a shape after one of them (null: all positions) has moved to or by a number. */
@@ -143,4 +144,14 @@ export function mirrorOf(kind, p, sum) {
   if (kind.startsWith("sigmoid-")) return [flip(p[2]), -p[3], flip(p[0]), -p[1]];
   if (["ramp", "concave", "arc"].includes(kind)) return p.map(flip);
   return WIDTHS[kind] ? [flip(p[0]), ...p.slice(1)] : null;
+}
+
+/**
+ * Parameters of a shape that moves itself and is the image of one that moves, each from `old` to `next`: its own moves
+ * first, those of the image where it stays.
+ */
+export function joined(shape, own, image) {
+  const stays = (move, i) => near(move.old[i], move.next[i]);
+  const both = own.next.map((x, i) => (stays(own, i) && !stays(image, i) ? image.next[i] : x));
+  return ascends(shape, both) ? both : own.next;
 }
