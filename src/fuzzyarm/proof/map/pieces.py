@@ -606,13 +606,13 @@ class Pieces:
 
             self._refine(which, undecided_on)
 
-    def rises(self, column: int) -> Array:
-        """Return the pieces on which a height is not 0 throughout, if only by its slope."""
-        some = any_of_rows(self.heights[:, :, column] > 0)
+    def rises(self, column: int, which: Any = slice(None)) -> Array:
+        """Return on which pieces a height is not 0 throughout, if only by its slope."""
+        some = any_of_rows(self.heights[which, :, column] > 0)
         if self.arithmetic.exact:
             return some
         # Floats round 1 − x to 0 where x is next to 1.
-        return np.asarray(some | any_of_rows(self.slopes[:, :, column] != 0))
+        return np.asarray(some | any_of_rows(self.slopes[which, :, column] != 0))
 
     def _at_level(self, height: _Affine, level: Fraction) -> _Comparison:
         flat = _Affine(0 * height.values + self._level(level), 0 * height.slopes)

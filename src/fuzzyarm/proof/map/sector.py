@@ -280,6 +280,10 @@ class Slopes(NamedTuple):
         return None
 
 
+NEAR = 2**16
+"""Size of the cells around a point, by that of the box in which slopes at the point are found."""
+
+
 def slopes_at(prover: Prover, point: Mapping[str, float]) -> Slopes:
     """Return the gradients of an output at a point, in rationals.
 
@@ -342,13 +346,15 @@ def slopes_at(prover: Prover, point: Mapping[str, float]) -> Slopes:
 def _neighbourhood(
     prover: Prover, what: Cut, at: list[Fraction]
 ) -> tuple[tuple[Fraction, Fraction], ...]:
-    """Return the cells around a point."""
+    """Return a small box around a point, within the cells that it touches."""
     assert prover.model is not None
     grid = PieceGrid(prover.model, what, rationals(), prover.stop)
     box = []
     for x, cells in zip(at, grid.cells, strict=True):
         near = [cell for cell in cells if cell.left <= x <= cell.right]
-        box.append((min(cell.left for cell in near), max(cell.right for cell in near)))
+        low, high = min(cell.left for cell in near), max(cell.right for cell in near)
+        # A whole cell may have a thousand levels of samples, which only its far pieces meet.
+        box.append((x - (x - low) / NEAR, x + (high - x) / NEAR))
     return tuple(box)
 
 

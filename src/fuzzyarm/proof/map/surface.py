@@ -393,7 +393,7 @@ class Surface:
             column: np.ascontiguousarray(chunk[:, :, first + column])
             for column in range(self.model.columns)
         }
-        positive = {column: self.pieces.rises(first + column)[which] for column in columns}
+        positive = {column: self.pieces.rises(first + column, which) for column in columns}
         lattice = {  # once per column: overlaps need the same again
             column: heights @ points.T
             for column, heights in columns.items()
@@ -482,7 +482,7 @@ class Surface:
             return
         first = self.pieces.systems[system].first
         for column in range(self.model.columns):
-            rows = np.flatnonzero(self.pieces.rises(first + column)[which])
+            rows = np.flatnonzero(self.pieces.rises(first + column, which))
             if rows.size:
                 height, slope = self._heights(which[rows], points, first + column)
                 yield column, rows, height, slope[:, None, :], None
