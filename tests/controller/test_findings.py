@@ -18,11 +18,11 @@ from fuzzyarm.control.controllers.findings import ports_in_words, shipped_sites
 from fuzzyarm.control.controllers.on_plant import site_of
 from fuzzyarm.control.controllers.reach import reaches_of
 from fuzzyarm.control.controllers.text import with_files
-from fuzzyarm.exchange.files import PlantOf, check_file, check_text
+from fuzzyarm.exchange.files import PlantOf, check_file, check_parsed, check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS
 from fuzzyarm.plant.own import PLANTS, find_plant
-from fuzzyarm.plant.plant import interface_of
+from fuzzyarm.plant.plant import Plant, Port, interface_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "controllers.md"
 
@@ -285,6 +285,35 @@ def test_a_port_that_the_plant_does_not_have():
     (finding,) = findings(text, PlantOf(find_plant("motor")))
     assert finding.severity is Severity.ERROR
     assert names(text, PlantOf(find_plant("motor"), {"speed": "velocity"})) == []
+
+
+class Sledge(Plant):
+    """A plant of a user with the axis of a shipped one, and with a drive of another name."""
+
+    axis = "cart"
+    inputs = {"force": Port("N", -30, 30)}
+    outputs = {"x": Port("m", -2, 2)}
+    states = {"x": "m"}
+
+    def derivative(self, t, x, u, p):
+        return [u[0]]
+
+
+def test_a_plant_of_the_user_counts_where_more_of_the_ports_are_its_own():
+    def found(text):
+        review = check_parsed(parse(text), text, own=[Sledge()])
+        return [each.message for each in review.diagnostics]
+
+    lines = ["e = error of x", "drive force = 2 * e, within -30 .. 30"]
+    of_sledge = text_of(*lines, axis="cart")
+    assert names(of_sledge) == ["unknown-port"]
+    assert found(of_sledge) == []
+    lines += ["a = error of theta", "drive f = 2 * a, within -10 .. 10"]
+    assert found(text_of(*lines, axis="cart")) == ["the cartpole has no drive 'force'"]
+    cartpole = shipped("cartpole.frb")
+    text = cartpole.read_text()
+    review = check_parsed(parse(text), text, str(cartpole), own=[Sledge()])
+    assert review == check_text(text, str(cartpole))
 
 
 def test_an_axis_that_the_plant_does_not_have_is_one_finding():

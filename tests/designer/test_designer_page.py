@@ -38,8 +38,8 @@ rules 'y</script>'
 class Served:
     """A server in a process of its own."""
 
-    def __init__(self, folder, port=0):
-        self.folder, self.port = folder, port
+    def __init__(self, folder, port=0, options=()):
+        self.folder, self.port, self.options = folder, port, options
         number, name = tempfile.mkstemp(prefix="designer-", suffix=".log")
         os.close(number)
         self.log = Path(name)
@@ -47,6 +47,7 @@ class Served:
 
     def start(self):
         words = ["designer", str(self.folder), "--no-browser", "--port", str(self.port)]
+        words += self.options
         self.process, self.address = forked_server.start(words, f"{self.folder}.state", self.log)
         assert self.address.startswith("http://127.0.0.1:"), self.log.read_text("utf-8")
         self.port = int(self.address.split(":")[2].split("/")[0])

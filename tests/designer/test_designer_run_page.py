@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from needs import requires
 from test_designer_accessibility import AXE, violations
-from test_designer_page import put, text_of, until
+from test_designer_page import Served, put, text_of, until
 
 from fuzzyarm.base.shipped_files import shipped
 
@@ -272,3 +272,36 @@ def test_the_predictor_meets_a_dead_time_that_is_typed_in(served, browser):
     assert metric(page, "overshoot") < 0.05
     assert page.faults == []
     page.context.close()
+
+
+SLEDGE = """
+from fuzzyarm.plant import Plant, Port
+
+class Sledge(Plant):
+    axis = "cart"
+    inputs = {"force": Port("N", -30, 30)}
+    outputs = {"x": Port("m", -2, 2)}
+    states = {"x": "m"}
+
+    def derivative(self, t, x, u, p):
+        return [u[0]]
+"""
+PULL = """controller pull
+period 5 ms
+axis cart
+  e = error of x
+  drive force = 2 * e, within -30 .. 30
+"""
+
+
+def test_a_plant_of_the_command_line_counts_for_the_findings(tmp_path, browser):
+    (tmp_path / "own.py").write_text(SLEDGE)
+    (tmp_path / "files").mkdir()
+    server = Served(tmp_path / "files", options=["--plant", f"{tmp_path / 'own.py'}:Sledge"])
+    try:
+        page = open_run(server, browser, "pull", PULL)
+        page.get_by_text("no findings").wait_for()
+        assert page.faults == []
+        page.context.close()
+    finally:
+        server.stop()

@@ -458,12 +458,13 @@ def check_parsed(
     failed: list[Diagnostic] | None = None,
     on_step: Callable[[], None] = lambda: None,
     on: PlantOf | None = None,
+    own: Sequence[Plant] = (),
 ) -> Review:
-    """Check a parsed text; see :func:`check_text`."""
+    """Check a parsed text; see :func:`check_text`. `own` are plants beside the shipped ones."""
     diagnostics, doubts = list(parsed.diagnostics), list[Diagnostic]()
     # Doubts about a controller beside a rule base are judged with those of the rules, below.
     if parsed.whole is not None:
-        diagnostics, doubts = _of_controller(parsed.whole, parsed, path, on)
+        diagnostics, doubts = _of_controller(parsed.whole, parsed, path, on, own)
     if parsed.rulebase is None:
         if parsed.whole is not None:
             diagnostics = sorted(
@@ -482,7 +483,7 @@ def _position(finding: Diagnostic) -> tuple[object, str]:
 
 
 def _of_controller(
-    model: ControllerModel, parsed: Parsed, path: str, on: PlantOf | None
+    model: ControllerModel, parsed: Parsed, path: str, on: PlantOf | None, own: Sequence[Plant]
 ) -> tuple[list[Diagnostic], list[Diagnostic]]:
     """Return the errors of a controller and its files, and the findings open to ``# allow``."""
     from fuzzyarm.control.controllers.findings import doubts_of, sound_part
@@ -497,7 +498,9 @@ def _of_controller(
     controller, faults = with_files(sound, folder, path)
     if sound is not model:  # the line that teaches may be one with a mistake
         faults = [fault for fault in faults if fault.name != "no-learner"]
-    diagnostics = [*parsed.diagnostics, *faults, *doubts_of(controller, *(on or ()))]
+    plant, connect = on or (None, None)
+    doubtful = doubts_of(controller, plant, connect, own)
+    diagnostics = [*parsed.diagnostics, *faults, *doubtful]
     doubts = [diagnostic for diagnostic in diagnostics if diagnostic.name in CHECKS]
     return [diagnostic for diagnostic in diagnostics if diagnostic.name not in CHECKS], doubts
 

@@ -10,10 +10,10 @@ import contextlib
 import os
 import re
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.builder.starting import (
     CONTROLLER,
@@ -49,6 +49,9 @@ from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
 
+if TYPE_CHECKING:
+    from fuzzyarm.plant.plant import Plant
+
 SUFFIXES = (".frb", ".lut")
 """Suffixes of files that can be opened."""
 
@@ -82,9 +85,12 @@ class Workspace:
     path : Path
         The folder, or the file; nothing else is read or written. A missing folder is made with its
         first file.
+    plants : sequence of Plant
+        Plants of the user, for the findings of controllers.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, plants: Sequence[Plant] = ()) -> None:
+        self._plants = plants
         path = real_path(path)
         self.only = path.name if path.is_file() else None
         self.folder = path.parent if path.is_file() else path
@@ -177,7 +183,7 @@ class Workspace:
         """Return the open file of a name."""
         if name not in self._open:
             try:
-                self._open[name] = SharedText(self._path(name))
+                self._open[name] = SharedText(self._path(name), plants=self._plants)
             except RuleBaseError as error:
                 raise OutsideError(
                     f"'{printable(name)}' is not opened: {in_words(error)}"
@@ -190,7 +196,7 @@ class Workspace:
         is_allowed = name == self.only if self.only is not None else path.suffix.lower() in SUFFIXES
         if not is_allowed or path.is_symlink() or path.exists():
             raise OutsideError(f"'{printable(name)}' is not a file of this folder")
-        self._open[name] = SharedText(path, text)
+        self._open[name] = SharedText(path, text, self._plants)
         return self._open[name]
 
     def is_changed(self, name: str) -> bool:
@@ -209,7 +215,8 @@ class Workspace:
     def session(self, name: str) -> Session:
         """Return the present text of a file of the folder, in its window or else on disk."""
         path, shared = self._path(name), self._open.get(name)
-        return Session(str(path), read_text(path) if shared is None else shared.text)
+        text = read_text(path) if shared is None else shared.text
+        return Session(str(path), text, plants=self._plants)
 
     def _path(self, name: str) -> Path:
         path = self.folder / name

@@ -260,12 +260,12 @@ def serve(
     """Serve a folder or a file until it is interrupted."""
     import uvicorn
 
-    workspace = Workspace(path)
     plant_catalogue = None
     if plants:
         from fuzzyarm.apps.designer.stage import Plants
 
         plant_catalogue = Plants(tuple(plants))
+    workspace = Workspace(path, plant_catalogue.own if plant_catalogue is not None else ())
     token = token_for(real_path(path))
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -15,7 +15,7 @@ from codecs import BOM_UTF8
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.designer import requests
 from fuzzyarm.apps.designer.changes import ChangeError, applied, difference, merged
@@ -61,6 +61,9 @@ from fuzzyarm.language.edit import (
 )
 from fuzzyarm.language.model.rulebase import RuleBase, Shape
 from fuzzyarm.symbolic.kinds import SHAPES
+
+if TYPE_CHECKING:
+    from fuzzyarm.plant.plant import Plant
 
 LONGEST_HISTORY = 2_000
 """Changes stored for windows that fell behind; an older window gets the whole text."""
@@ -110,6 +113,8 @@ class SharedText:
         The file.
     text : str, optional
         A window's text of a missing file; by default the file is read.
+    plants : sequence of Plant
+        Plants of the user, for the findings of a controller.
 
     Attributes
     ----------
@@ -129,7 +134,7 @@ class SharedText:
         A text written by another program over unsaved changes here.
     """
 
-    def __init__(self, path: Path, text: str | None = None) -> None:
+    def __init__(self, path: Path, text: str | None = None, plants: Sequence[Plant] = ()) -> None:
         self.path = path
         self.epoch = secrets.token_hex(8)
         self.version = 0
@@ -145,7 +150,7 @@ class SharedText:
         self.newline = "\r\n" if "\r\n" in text else "\n"
         self.saved = _unix(text)
         self.conflict: Conflict | None = None
-        self.session = Session(str(path), self.saved, 0)
+        self.session = Session(str(path), self.saved, 0, plants)
 
     @property
     def text(self) -> str:
@@ -281,7 +286,7 @@ class SharedText:
     def move(self, path: Path) -> None:
         """Belong to another file from now on, to which this one has been renamed."""
         self.path = path
-        self.session = Session(str(path), self.text, self.version)
+        self.session = Session(str(path), self.text, self.version, self.session.plants)
 
     def settle(self, keep: str) -> None:
         """End a conflict; the next save writes the differences to the file.

@@ -33,12 +33,19 @@ class Plants:
     ------
     PlantError
         If there is no such plant, or it is not complete.
+
+    Attributes
+    ----------
+    own : tuple of Plant
+        The plants that the user named.
     """
 
     def __init__(self, files: tuple[str, ...] = ()) -> None:
         self.files = files
         self.by_name: dict[str, Plant] = {name: make() for name, make in PLANTS.items()}
-        self.by_name |= {name: find_plant(name) for name in files}
+        named = {name: find_plant(name) for name in files}
+        self.own = tuple(named.values())
+        self.by_name |= named
 
     def new(self, name: str) -> Plant:
         """Make a plant anew; PlantError if it was not named when the designer was started."""

@@ -40,6 +40,7 @@ from fuzzyarm.language.phrases import NameKind as Name
 from fuzzyarm.language.rules import GridNode
 
 if TYPE_CHECKING:
+    from fuzzyarm.plant.plant import Plant
     from fuzzyarm.proof.map import Verdict
 
 # --- Protocol positions (code units, from 0) and lines and columns (from 1) ---
@@ -243,10 +244,15 @@ class Session:
         The text on opening.
     version : int or None
         The editor's number for this state of the text.
+    plants : sequence of Plant
+        Plants of the user, for controllers, beside the shipped ones.
     """
 
-    def __init__(self, path: str, text: str, version: int | None = None) -> None:
+    def __init__(
+        self, path: str, text: str, version: int | None = None, plants: Sequence[Plant] = ()
+    ) -> None:
         self.path = path
+        self.plants = plants
         self.text = text
         self.version = version
         self.kind = TABLE if path.lower().endswith(".lut") else RULE_BASE
@@ -318,7 +324,7 @@ class Session:
         if not isinstance(parsed, Parsed):
             return Review(self.text, tuple(parsed.diagnostics))
         failed = self._failed(parsed.rulebase, on_step)
-        return check_parsed(parsed, self.text, self.path, failed, on_step)
+        return check_parsed(parsed, self.text, self.path, failed, on_step, own=self.plants)
 
     def _failed(
         self, rulebase: RuleBase | None, on_step: Callable[[], None]
@@ -349,7 +355,7 @@ class Session:
 
     def copy(self) -> Session:
         """Return a session for a check in another thread; the fast parts are read here."""
-        other = Session(self.path, self.text, self.version)
+        other = Session(self.path, self.text, self.version, self.plants)
         other.cost, other._elapsed, other._judged = self.cost, self._elapsed, self._judged
         if self.cost < SLOW:
             other._reading = self.reading

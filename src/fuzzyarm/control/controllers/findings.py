@@ -122,11 +122,29 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
     return site
 
 
+def _likeliest_site(model: ControllerModel, own: Sequence[Plant]) -> Site | None:
+    """Return the shipped plant of a controller, or one of the user's with as many of its ports."""
+    axes = set(model.axis_names)
+    ports = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
+
+    def present(site: Site) -> int:
+        return sum(site.has(model, *use) for use in ports)
+
+    sites = [site for site in map(site_of, own) if axes <= set(site.interface.axes)]
+    shipped = site_by_axes(model)
+    candidates = [*sites, shipped] if shipped is not None else sites
+    best = max(candidates, key=present, default=None)
+    return best if best is not None and present(best) else None
+
+
 # --- All findings ---
 
 
 def doubts_of(
-    text: ControllerText, plant: Plant | None = None, connect: Mapping[str, str] | None = None
+    text: ControllerText,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    own: Sequence[Plant] = (),
 ) -> list[Diagnostic]:
     """Return probable mistakes in a controller with its files, on its plant.
 
@@ -135,12 +153,14 @@ def doubts_of(
     text : ControllerText
         Without errors in its text; with its readable files only.
     plant : Plant, optional
-        Its plant: anything missing there is an error. By default the shipped plant with its axes:
-        anything missing is a warning.
+        Its plant: anything missing there is an error. By default the likeliest of `own` and of the
+        shipped plants with its axes: anything missing is a warning.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, if they differ.
+    own : sequence of Plant
+        Plants of the user beside the shipped ones.
     """
-    site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
+    site = site_of(plant, connect) if plant is not None else _likeliest_site(text.model, own)
     reaches = reaches_of(text, site)
     diagnostics = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
     diagnostics += [*_unknown_units(text.model), *_unknown_of_claims(text)]
