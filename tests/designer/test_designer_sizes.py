@@ -59,7 +59,7 @@ CUT = """() => [...document.querySelectorAll(
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):
     server = Served(tmp_path_factory.mktemp("sizes"))
-    for name in ("pd7", "servo", "tipper"):
+    for name in ("pd7", "servo", "tipper", "tipper2"):
         put(server, f"{name}.frb", shipped(f"{name}.frb").read_text())
     yield server
     server.stop()
@@ -92,6 +92,61 @@ def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, w
     assert box["x"] >= 0
     assert box["x"] + box["width"] <= width
     context.close()
+
+
+@pytest.fixture
+def narrow(browser):
+    context = browser.new_context(viewport={"width": 400, "height": 800})
+    yield context
+    context.close()
+
+
+@requires("chromium")
+@pytest.mark.slow
+def test_both_ends_of_a_strength_are_shown(served, narrow):
+    page = opened(narrow, served, "tipper2.frb")
+    page.evaluate("[0, 1].forEach((i) => designer.store.setPoint(i, 6))")
+    strengths = page.locator(".rules-fired .degree")
+    until(lambda: "0.00348 … 0.0" in "".join(strengths.all_text_contents()), "the rules")
+    wide = "all => all.map((each) => each.scrollWidth - each.clientWidth)"
+    assert set(strengths.evaluate_all(wide)) == {0}
+
+
+@requires("chromium")
+@pytest.mark.slow
+@pytest.mark.parametrize("view", ["Sweep", "Prove", "Fit"])
+def test_a_form_in_a_narrow_window_is_as_high_as_its_fields(served, narrow, view):
+    page = opened(narrow, served, "pd7.frb" if view == "Fit" else "servo.frb")
+    further(page, view)
+    said = page.locator(f"#view-{view.lower()} .asked > .body")
+    said.get_by_role("button", name="Start" if view == "Sweep" else view).wait_for()
+    until(lambda: said.evaluate("each => each.scrollHeight <= each.clientHeight"), "all of it")
+
+
+# Whether the first option in a text stays on one line at any width.
+UNBROKEN = """(pre) => {
+  const walk = document.createTreeWalker(pre, NodeFilter.SHOW_TEXT), range = document.createRange();
+  let node = walk.nextNode();
+  while (!node.data.includes("--levels")) node = walk.nextNode();
+  const at = node.data.indexOf("--levels");
+  range.setStart(node, at);
+  range.setEnd(node, at + 8);
+  for (let width = 100; width < 400; width++) {
+    pre.style.width = `${width}px`;
+    if (new Set([...range.getClientRects()].map((box) => box.top)).size > 1) return width;
+  }
+  return "unbroken";
+}"""
+
+
+@requires("chromium")
+@pytest.mark.slow
+def test_the_name_of_an_option_is_not_broken(served, narrow):
+    page = opened(narrow, served, "pd7.frb")
+    further(page, "Table")
+    report = page.locator(".accuracy pre.printed")
+    until(lambda: "--levels" in report.text_content(), "the report")
+    assert report.evaluate(UNBROKEN) == "unbroken"
 
 
 # What does not stand on the line that it belongs to, or touches the border of its pane.

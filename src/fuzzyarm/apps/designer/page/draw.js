@@ -71,6 +71,10 @@ export const placeWords = (at, digits = 5) =>
     .map(([name, x]) => `${name} = ${shortNumber(x, digits)}`)
     .join(", ");
 
+/** Printed words in which the name of an option, as `--levels`, does not break at its hyphens. */
+export const printed = (words) =>
+  words.split(/(--[a-z][\w-]*)/).map((part, i) => (i % 2 ? el("span", { class: "option", textContent: part }) : part));
+
 /** What keeps the tools behind it at the end of a bar. */
 export const space = () => el("span", { class: "space" });
 

@@ -9,6 +9,7 @@ import {
   heat,
   pairsOf,
   placeWords,
+  printed,
   shortNumber,
   space,
   tableOf,
@@ -256,7 +257,7 @@ class ErrorPane extends Pane {
       this.say(S.provedSoFar(news.done, news.of));
     }
     if (news.lines) {
-      this.lines.textContent = clean(news.lines.join("\n"));
+      this.lines.replaceChildren(...printed(clean(news.lines.join("\n"))));
       this.lines.hidden = !news.lines.length;
       this.found.worst = news.worst;
       this.worst.textContent = clean(this.worstWords(news.worst, this.found.map.output));

@@ -91,7 +91,7 @@ export class ViewerPane extends Pane {
       return { range, number, shown: "" };
     });
     const { scene } = this.store;
-    const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "5.4em";
+    const first = scene.rules.some((rule) => rule.readings.length > 1) ? "9.5em" : "5.4em"; // both ends of a strength, or one
     const columns = `${first} repeat(${scene.inputs.length + scene.outputs.length}, minmax(0, 1fr))`;
     for (const part of [this.head, this.foot]) part.style.gridTemplateColumns = columns;
     this.rows.style.setProperty("--columns", columns);

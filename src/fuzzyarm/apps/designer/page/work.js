@@ -2,7 +2,7 @@
 // comes of it is each view's own: lines as a command prints them with their pictures, tables that grow, a report.
 
 import { confirm } from "./dialogs.js";
-import { clean, el, pairsOf, space } from "./draw.js";
+import { clean, el, pairsOf, printed, space } from "./draw.js";
 import { Form } from "./form.js";
 import { drawPanel } from "./panel.js";
 import { Pane, stage } from "./pane.js";
@@ -211,7 +211,7 @@ export class ResultWork extends Work {
       return body;
     });
     const label = verdict || this.kind.title;
-    const words = el("pre", { class: "printed", tabIndex: 0, "aria-label": label, textContent: lines.join("\n") });
+    const words = el("pre", { class: "printed", tabIndex: 0, "aria-label": label }, ...printed(lines.join("\n")));
     const links = files.map(({ name, address }) => el("a", { href: address, download: name, textContent: name }));
     const row = links.length ? [el("p", { class: "loads" }, `${S.toLoad} `, ...links)] : [];
     const drawn = el("div", { class: "drawn" }, ...pictures);
