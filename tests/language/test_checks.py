@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from budget import cases
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import rulebases
 
@@ -83,6 +83,26 @@ def test_no_rule_fires_gives_an_input_that_proves_it():
     point = {k: float(v) for k, v in re.findall(r"(\w+) = (-?[\d.]+)", found.message)}
     with pytest.raises(ArithmeticError):
         infer(check_text(text).rulebase, point)
+
+
+@pytest.mark.parametrize(("settings", "fires"), [("", True), (", threshold 1e-5", False)])
+def test_a_rule_fires_with_any_strength_above_the_threshold(settings, fires):
+    text = (
+        textwrap.dedent("""\
+        rulebase dimmer
+        input  ambient  0 .. 1
+        output power    0 .. 1
+        term ambient bright:  bell 0.75 0.2 3
+        term power low:   triangle 0 0.25 0.5
+        inference aggregation max, defuzzifier centroid, no-rule error, outside extend
+        """)
+        + f"block all: and product{settings}\nrule if ambient is very bright then power is low\n"
+    )
+    bell = 1 / (1 + (0.75 / 0.2) ** 6)
+    assert 0 < bell**2 < 1e-6  # the least strength, at ambient = 0
+    assert ("no-rule-fires" in names(text)) is not fires
+    if fires:
+        infer(check_text(text).rulebase, {"ambient": 0.0})
 
 
 def test_a_stated_default_makes_it_an_info():
@@ -378,9 +398,6 @@ def test_a_search_that_gives_up_says_so():
 @settings(max_examples=cases(10, 40))
 @given(rulebases())
 def test_a_point_without_a_rule_is_one(rulebase):
-    # The check takes what is faint for nothing; roots and the drastic "or" make much of it.
-    faint = 0.05
-    assume(all(block.disjunction != "drastic" for block in rulebase.blocks))
     from fuzzyarm.inference import infer
     from fuzzyarm.inference.errors import NoRuleFiredError
 
@@ -398,11 +415,7 @@ def test_a_point_without_a_rule_is_one(rulebase):
             stated,
             outputs=(output,),
             blocks=tuple(
-                replace(
-                    block,
-                    rules=tuple(r for r in block.rules if r in rules),
-                    threshold=max(block.threshold, faint),
-                )
+                replace(block, rules=tuple(r for r in block.rules if r in rules))
                 for block in stated.blocks
             ),
         )

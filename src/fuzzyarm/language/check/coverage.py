@@ -21,7 +21,7 @@ from fuzzyarm.language.check.search import (
     distinct,
     smallest,
 )
-from fuzzyarm.language.check.subject import FAINT, Subject, plain_propositions, probe
+from fuzzyarm.language.check.subject import Subject, plain_propositions, probe
 from fuzzyarm.language.model.rulebase import (
     And,
     Expression,
@@ -222,7 +222,7 @@ def uncovered_point(output: Output, subject: Subject) -> dict[str, float] | None
         by_degree |= need.literals.keys() if need.fires else set()
     cells = {}
     for name in names:
-        points = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
+        points = _holding(subject.probes(inputs[name], 0.0), literals[name], name in by_degree)
         # Conditions decided by degree may hold in a cell and not in a smaller one.
         cells[name] = distinct(points) if name in by_degree else smallest(points)
     gap = next(GapSearch(needs, cells, subject.on_step).uncovered(), None)
@@ -239,7 +239,7 @@ _MOST_ALTERNATIVES = 64
 
 def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
     """Return the conditions of a rule, each alternative separately."""
-    alternatives = None if block.threshold > FAINT else _alternatives(rule.antecedent, block)
+    alternatives = None if block.threshold > 0.0 else _alternatives(rule.antecedent, block)
     if alternatives is not None:
         return [Need(_literals(parts)) for parts in alternatives]
     antecedent = rule.antecedent
@@ -254,8 +254,7 @@ def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
         def degree(variable: str, term: str) -> float:
             return cells[variable].degrees.get((term, ()), 0.0)
 
-        strength = truth(antecedent, degree, block)
-        return strength >= FAINT and strength * rule.weight > block.threshold
+        return truth(antecedent, degree, block) * rule.weight > block.threshold
 
     return [Need(literals, fires)]
 
@@ -289,7 +288,7 @@ def _holding(
         }
         for term, hedges in hedged:
             degree = apply_hedges(hedges, terms.get((term, ()), 0.0))
-            if degree >= FAINT:
+            if degree > 0.0:
                 degrees[term, hedges] = degree
         cells.append(VariableStretch(x, degrees))
     return cells

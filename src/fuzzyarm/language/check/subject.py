@@ -24,7 +24,7 @@ from fuzzyarm.language.rules import GridNode
 from fuzzyarm.symbolic.kinds import SHAPES
 
 FAINT = 1e-6
-"""Memberships below this count as 0."""
+"""Memberships up to this count as none in the extent of a term; rules fire with fainter ones."""
 
 
 class Subject:
@@ -46,7 +46,7 @@ class Subject:
         self.rulebase = rulebase
         self.document = document
         self.on_step = on_step
-        self._probes: dict[str, list[VariableStretch]] = {}
+        self._probes: dict[tuple[str, float], list[VariableStretch]] = {}
         self._supports: dict[tuple[str, str], tuple[float, float]] = {}
         self._middles: dict[str, dict[str, float] | None] = {}
 
@@ -102,11 +102,12 @@ class Subject:
                 groups += [replace(output, terms=others), replace(output, terms=antecedent_terms)]
         return groups
 
-    def probes(self, variable: Input) -> list[VariableStretch]:
+    def probes(self, variable: Input, least: float = FAINT) -> list[VariableStretch]:
         """Return :func:`probe` of an input, worked out once."""
-        if variable.name not in self._probes:
-            self._probes[variable.name] = probe(variable)
-        return self._probes[variable.name]
+        key = variable.name, least
+        if key not in self._probes:
+            self._probes[key] = probe(variable, least)
+        return self._probes[key]
 
     def middle(self, variable: Input) -> float:
         """Return a position in the middle of an input."""
@@ -139,8 +140,8 @@ class Subject:
         return None if middles is None else {term: i for i, term in enumerate(middles)}
 
 
-def probe(variable: Input) -> list[VariableStretch]:
-    """Return the corners of the terms and the midpoints between, with the terms that hold there.
+def probe(variable: Input, least: float = FAINT) -> list[VariableStretch]:
+    """Return the corners of the terms and the midpoints between, with the terms above `least`.
 
     Between two corners no bounded term starts or ends, so the midpoint represents the interval.
     """
@@ -156,7 +157,7 @@ def probe(variable: Input) -> list[VariableStretch]:
             stop = bisect_right(points, corners[-1][0]) if corners[-1][1] == 0.0 else stop
         for i in range(start, stop):
             degree = function(points[i])
-            if degree >= FAINT:
+            if degree > least:
                 degrees[i][term.name, ()] = degree
     return [
         VariableStretch(x, literals_here) for x, literals_here in zip(points, degrees, strict=True)
