@@ -71,6 +71,12 @@ def test_every_fault_is_found_where_it_is():
         ("not-a-number", 5, 3),
     ]
     assert findings("a,b,y\n1,2,3\n4,5\n") == [("wrong-cell-count", 3, 1)]
+    assert findings("a,b,y\n,2,3\nx,5\n4,5,6,7\n1,y,2\n") == [
+        ("missing-value", 2, 1),
+        ("wrong-cell-count", 3, 1),
+        ("wrong-cell-count", 4, 1),
+        ("not-a-number", 5, 3),
+    ]
     assert findings("a,a,y\n1,2,3\n")[0][0] == "duplicate-column"
     assert findings("y\n1\n")[0][0] == "no-inputs"
     assert findings("a,y\n")[0][0] == "no-samples"

@@ -492,7 +492,7 @@ class _Cells:
     def samples(self, columns: Columns, notes: tuple[str, ...] = ()) -> Samples:
         """Return the samples; raise DataError with all faults."""
         self._check_names()
-        self._check_lengths()
+        wrong = self._wrong_lengths()
         target = self.names[-1] if columns.target is None else columns.target
         names_wanted = columns.inputs
         inputs = (
@@ -504,24 +504,22 @@ class _Cells:
         for name in column_names:
             if name not in self.names:
                 raise ColumnError(name, self.names)
-        wrong: list[Diagnostic] = []
         values, classes = self._target(target, wrong)
         columns_read = [self._column(self.names.index(name), wrong) for name in inputs]
         if wrong:
-            raise DataError(sorted(wrong, key=lambda d: d.span)[:MOST_FINDINGS])
+            raise _all_of(wrong)
         array = np.stack(columns_read, axis=1) if columns_read else np.empty((len(values), 0))
         return _checked(Samples(tuple(inputs), array, target, values, classes, self.path, notes))
 
     def columns(self, names: Sequence[str]) -> dict[str, Array]:
         """Return columns in which a value may be missing, infinite or NaN."""
         self._check_names()
-        self._check_lengths()
+        wrong = self._wrong_lengths()
         if not self.rows:
             raise _refused("no-samples", "there are no samples", self.path)
-        wrong: list[Diagnostic] = []
         read = {name: self._column(self.names.index(name), wrong, lost=True) for name in names}
         if wrong:
-            raise DataError(wrong[:MOST_FINDINGS])
+            raise _all_of(wrong)
         return read
 
     def _target(self, name: str, wrong: list[Diagnostic]) -> tuple[Array, tuple[str, ...]]:
@@ -529,7 +527,7 @@ class _Cells:
         if name not in self.names:
             return np.full(len(self.rows), math.nan), ()
         at = self.names.index(name)
-        texts = [row[at] for row in self.rows]
+        texts = [row[at] for row in self.rows if len(row) == len(self.names)]
         if any(not text or _number(text, comma=self.comma) is not None for text in texts):
             return self._column(at, wrong), ()
         classes = tuple(sorted(set(texts)))
@@ -545,9 +543,9 @@ class _Cells:
             message = "only one column: an input and a target are needed"
             raise _refused("no-inputs", message, self.path)
 
-    def _check_lengths(self) -> None:
+    def _wrong_lengths(self) -> list[Diagnostic]:
         count = len(self.names)
-        wrong = [
+        return [
             self._finding(
                 "wrong-cell-count",
                 f"{len(row)} cells, the first line has {count}",
@@ -556,13 +554,13 @@ class _Cells:
             for k, row in enumerate(self.rows)
             if len(row) != count
         ]
-        if wrong:
-            raise DataError(wrong[:MOST_FINDINGS])
 
     def _column(self, at: int, wrong: list[Diagnostic], *, lost: bool = False) -> Array:
         values = np.empty(len(self.rows))
         name = self.names[at]
         for k, row in enumerate(self.rows):
+            if len(row) != len(self.names):
+                continue  # reported by its length
             number = _number(row[at] or ("nan" if lost else ""), comma=self.comma)
             if number is None or not (lost or math.isfinite(number)):
                 if not row[at]:
@@ -597,6 +595,11 @@ def _checked(samples: Samples) -> Samples:
         message = f"values up to {largest:.1e} are too large: scale them"
         raise _refused("too-large", message, samples.source)
     return samples
+
+
+def _all_of(wrong: Sequence[Diagnostic]) -> DataError:
+    """Return the first findings of a file, in the order of its lines."""
+    return DataError(sorted(wrong, key=lambda finding: finding.span)[:MOST_FINDINGS])
 
 
 def _refused(name: str, message: str, path: str = "", hint: str = "") -> DataError:
