@@ -367,6 +367,12 @@ def test_what_is_missing_is_said_of_the_whole():
     assert repr(made) == "<RuleBaseBuilder fan: 1 statements, no rules yet>"
 
 
+def test_a_continued_text_counts_its_rules():
+    pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    for made in (RuleBaseBuilder.of(pd7), RuleBaseBuilder.from_text(str(pd7))):
+        assert "49 rules" in repr(made)
+
+
 def test_to_file(fan, tmp_path):
     fan.to_file(tmp_path / "fan.frb")
     assert (tmp_path / "fan.frb").read_text("utf-8") == str(fan)

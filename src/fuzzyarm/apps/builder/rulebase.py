@@ -699,7 +699,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return print_document(document)
 
     def __repr__(self) -> str:
-        rules = sum(lines.text.startswith(("rule ", "rules ")) for _, lines in self._calls)
+        rules = any(isinstance(each.node, (RuleNode, GridNode)) for each in self._statements)
         if not rules or self._names("output") == []:
             count = len(self._statements)
             return one_line(self, f"{shortened(self.name)}: {count} statements, no rules yet")
