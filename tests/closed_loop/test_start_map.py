@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 import re
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
@@ -76,6 +79,11 @@ def _motor_step(x: np.ndarray, voltage: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda found: pickle.loads(pickle.dumps(found))])
+def test_a_map_is_a_value(servo: StartMap, again: Callable[[StartMap], StartMap]) -> None:
+    assert again(servo) == servo
+
+
 def test_a_map_fills_its_window(servo: StartMap) -> None:
     assert servo.share("proved") == pytest.approx(1.0)
     shares = sum(servo.share(verdict) for verdict in ("proved", "refuted", "open"))

@@ -288,7 +288,7 @@ class _Map:
             seconds=time.monotonic() - self.begun,
             work=self.work,
             period=self.problem.period,
-            units=self.plant.states,
+            units=dict(self.plant.states),
             reason=reason,
             chained=self.chained,
         )  # fmt: skip
