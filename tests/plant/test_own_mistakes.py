@@ -165,6 +165,21 @@ def test_a_plant_in_python_says_the_same():
         simulate(shipped("heater.frb"), Kiln(), duration=10.0)
 
 
+def test_a_plant_without_a_name_is_called_as_its_class():
+    class Oven(Plant):
+        inputs = {"power": Port("%", 0, 100)}
+        outputs = {"temperature": Port("°C")}
+        states = {"T": "°C"}
+
+        def derivative(self, t, x, u, p):
+            return [u[0]]
+
+    assert repr(simulate(shipped("heater.frb"), Oven(), duration=1.0)).startswith(
+        "<Run heater on oven:"
+    )
+    assert repr(Oven()) == "<Oven oven: power → temperature>"
+
+
 def test_a_plant_that_steps_is_not_asked_twice(tmp_path):
     (tmp_path / "steps.py").write_text(
         "from fuzzyarm.plant import Plant, Port\n"

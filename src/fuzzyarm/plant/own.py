@@ -42,7 +42,7 @@ from fuzzyarm.plant.equations import (
 )
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plain_python import HOME, Home, lacks, require_sound
-from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
+from fuzzyarm.plant.plant import Plant, PlantError, is_compiled, usual_name
 
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
 """Every shipped plant by its name."""
@@ -203,8 +203,6 @@ def _made(module: ModuleType, key: str) -> Plant:
         raise
     except USERS as error:
         raise PlantError(failure(path, error), name=key) from error
-    if not plant.name:
-        plant.name = key.lower()
     vars(plant)[HOME] = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
     require_sound(plant)  # raises if incomplete
     return plant
@@ -281,7 +279,7 @@ def _plant_of(thing: Any) -> Plant:
     plant = as_plant(thing() if isinstance(thing, type) else thing)
     if not plant.name:
         plant = copy(plant)
-        plant.name = type(plant).__name__.lower()
+        plant.name = usual_name(plant)
     return plant
 
 

@@ -252,7 +252,7 @@ class Plant:
 
     def __repr__(self) -> str:
         ports = f"{', '.join(self.inputs) or 'nothing'} → {', '.join(self.outputs) or 'nothing'}"
-        return one_line(self, f"{self.name}: {ports}")
+        return one_line(self, f"{self.name or usual_name(self)}: {ports}")
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
         """Return the initial states; zeros by default."""
@@ -386,6 +386,11 @@ def interface_of(plant: Plant) -> Interface:
         if name == "velocity" and port.rate_of and third not in references:
             references[third] = ReferenceQuantity((axis, port.rate_of), 2)
     return Interface(axes, inputs, outputs, references)
+
+
+def usual_name(plant: Plant) -> str:
+    """Return the name of a plant whose class states none."""
+    return type(plant).__name__.lower()
 
 
 def _address(plant: Plant, name: str) -> Address:

@@ -62,7 +62,7 @@ def way_of(
         if referred or along is not None:
             raise twice
         return on if isinstance(on, Motion) else FollowedPlant(follower_of(on), on)
-    plant = on if isinstance(on, Plant) else find_plant(on)
+    plant = find_plant(on)
     if along is None and (referred or not plant.trajectories):
         return FollowedPlant(plant, None)
     if referred:
