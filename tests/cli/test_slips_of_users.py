@@ -147,6 +147,18 @@ def test_a_constant_target_has_no_variance_to_explain(tmp_path, capsys):
         out = said(capsys, *words, status=0).out
         assert "'u' is constant, with no variance to explain" in out
         assert "e+" not in out
+        assert "no line of observed over predicted: the target is constant" in out
+
+
+@pytest.mark.parametrize(
+    ("targets", "why"), [((0, 0), "the target is constant"), ((0, 1), "all predictions are equal")]
+)
+def test_equal_predictions_have_no_line(tmp_path, capsys, targets, why):
+    (tmp_path / "data.csv").write_text("e,ce,u\n" + "".join(f"0,0,{u}\n" for u in targets))
+    words = ["validate", str(shipped("pd7.frb")), str(tmp_path / "data.csv")]
+    out = said(capsys, *words, status=0).out
+    assert f"predicted: {why}" in out
+    assert "nan" not in out
 
 
 def test_a_controller_with_several_rule_bases_is_asked_which(tmp_path, capsys):

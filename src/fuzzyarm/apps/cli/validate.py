@@ -297,9 +297,17 @@ def _summary(validation: Validation, samples: Samples) -> list[str]:
             f"bias {validation.bias:.3g}, "
             f"worst {validation.worst:.4g} at sample {validation.worst_sample}"
         )
-        sign, size = "+-"[validation.intercept < 0.0], abs(validation.intercept)
-        lines.append(f"observed = {validation.slope:.4g} × predicted {sign} {size:.4g}")
+        lines.append(_calibration_line(validation))
     return lines
+
+
+def _calibration_line(validation: Validation) -> str:
+    if math.isnan(validation.explained):
+        return "no line of observed over predicted: the target is constant"
+    if math.isnan(validation.slope):
+        return "no line of observed over predicted: all predictions are equal"
+    sign, size = "+-"[validation.intercept < 0.0], abs(validation.intercept)
+    return f"observed = {validation.slope:.4g} × predicted {sign} {size:.4g}"
 
 
 def _regions(regions: tuple[Region, ...]) -> list[str]:
