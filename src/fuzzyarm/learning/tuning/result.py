@@ -95,7 +95,7 @@ class ComparedRow(NamedTuple):
     " remarks faults line=line.gains failed=found.failed parameters on_a_bound changes"
     " curve=found.curve front"
 )
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Tuned(JsonRecord):
     """The result of tuning.
 
@@ -164,7 +164,8 @@ class Tuned(JsonRecord):
 
     def __repr__(self) -> str:
         name = self.model.name if isinstance(self.model, RuleBase) else self.model.model.name
-        before, after = (trial.score.cost for trial in (self.found.trials[0], self.found.best))
+        table = self.table
+        before, after = (table[row]["train"].cost for row in ("as in the file", "tuned"))
         words = f"{self.cost} {after:.4g}, as in the file {before:.4g}"
         return one_line(self, f"{name}: {words}; {len(self.found.trials)} evaluations")
 
