@@ -1,14 +1,18 @@
 """What `import fuzzyarm` offers."""
 
 import ast
+import collections.abc
+import dataclasses
 import importlib
 import inspect
 import pkgutil
 import re
 import subprocess
 import sys
+import typing
 from pathlib import Path
 
+import numpy as np
 import pytest
 from offenders import check_all
 
@@ -70,6 +74,30 @@ def test_kinds_and_operations_are_reached_without_anything_heavy():
     code = "import sys; from fuzzyarm import kinds, op; print(op.pi, 'numpy' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "3.141592653589793 False\n"
+
+
+def holds_arrays(hint):
+    """Whether a field's type is an array, or a container of arrays."""
+    origin = typing.get_origin(hint)
+    return origin is np.ndarray or (
+        origin is not collections.abc.Callable and any(map(holds_arrays, typing.get_args(hint)))
+    )
+
+
+def has_arrays(kind):
+    try:
+        return any(map(holds_arrays, typing.get_type_hints(kind).values()))
+    except NameError:  # a type imported for annotations only
+        return False
+
+
+def test_what_holds_arrays_is_compared_by_identity():
+    modules = map(importlib.import_module, ("fuzzyarm", *PACKAGES))
+    public = {getattr(module, name) for module in modules for name in module.__all__
+              if isinstance(getattr(module, name), type)}  # fmt: skip
+    holders = {each for each in public if dataclasses.is_dataclass(each) and has_arrays(each)}
+    assert {fuzzyarm.control.loop.Run, fuzzyarm.learning.Snapshot} <= holders
+    assert [kind.__name__ for kind in holders if kind.__dataclass_params__.eq] == []
 
 
 def lists_what_is_public(package):

@@ -42,7 +42,7 @@ from fuzzyarm.version import __version__
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Snapshot:
     """Training at some moment.
 

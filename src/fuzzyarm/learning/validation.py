@@ -132,7 +132,7 @@ class Bin(NamedTuple):
 
 
 @json_properties("* -predicted -observed never_fired=silent_rules")
-@dataclass(frozen=True, repr=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Validation(Plotted, JsonRecord):
     """The judgement of samples on a rule base.
 

@@ -150,7 +150,7 @@ class Trajectory:
         return replace(self, segments=tuple(segments))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SetPoints:
     """A sampled trajectory.
 

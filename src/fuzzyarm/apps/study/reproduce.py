@@ -292,7 +292,7 @@ TRAJECTORIES: dict[str, Callable[[], Trajectory]] = {
     " band_high=ensemble.band_high? lowest=ensemble.lowest? highest=ensemble.highest?"
     " published_inside=inside?"
 )
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reproduced:
     """One published row, run again.
 

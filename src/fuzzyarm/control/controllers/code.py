@@ -93,7 +93,7 @@ class Guard:
     drives: Mapping[int, int]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ControllerCode:
     """A controller in the form of its kernel.
 

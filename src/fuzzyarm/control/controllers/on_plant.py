@@ -560,7 +560,7 @@ def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) ->
 # --- Learned tables ---
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class LearnedTables:
     """Tables that a controller has learned.
 

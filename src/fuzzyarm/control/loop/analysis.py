@@ -212,7 +212,7 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
 # --- Phase portraits ---
 
 
-@dataclass(frozen=True, repr=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Portrait(Plotted):
     """Trajectories from many starts in the plane of two quantities.
 

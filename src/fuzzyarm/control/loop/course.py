@@ -165,7 +165,7 @@ class Options:
 # --- The references of a run ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """Set points of a run.
 

@@ -67,7 +67,7 @@ class SweepError(FuzzyarmError, ValueError):
 # --- Results of many runs ---
 
 
-@dataclass(frozen=True, repr=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Many:
     """Results of many runs; ``many["rms"]`` is a metric of all of them.
 

@@ -131,7 +131,7 @@ def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
     " load_in_hold=conventions.load_in_hold diverged ended skipped periods lost compiled plant"
     " outputs=tracked_units metrics seed"
 )
-@dataclass(frozen=True, repr=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Run(Plotted):
     """The result of a run; angles in degrees, everything else in the units of the plant.
 
@@ -771,7 +771,7 @@ class ClosedLoop:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SoFar:
     """The samples of a run so far; see :class:`Run` for the attributes."""
 

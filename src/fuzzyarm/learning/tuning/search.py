@@ -65,7 +65,7 @@ class Over(Exception):  # noqa: N818 - it ends a search, and never leaves it
     """The budget is spent."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Found:
     """The result of a search so far.
 

@@ -54,7 +54,7 @@ class RuleSlope:
     value: float  # the slope
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OpenLoop:
     """A loop opened at one drive: ``z⁺ = A z + b u``, return ``-c z``.
 

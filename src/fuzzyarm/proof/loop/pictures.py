@@ -25,7 +25,7 @@ from fuzzyarm.proof.loop.verdicts import LoopVerdict
 RUNS, GRID = 10, 13
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RegionPlane:
     """A proved region in the plane of two states of the plant."""
 

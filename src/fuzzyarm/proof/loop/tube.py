@@ -57,7 +57,7 @@ class PortBounds(NamedTuple):
 
 
 @json_properties("duration boxes arrival ends ports=by_port")
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Tube:
     """Bounds of all runs.
 
