@@ -176,6 +176,28 @@ def test_the_vertical_label_of_a_surface_is_within_the_figure(tmp_path, name):
     assert box.x1 <= figure.bbox.x1
 
 
+FORMULAS = """rulebase p
+input a 0 .. 1
+input 'valve opening %' 0 .. 1
+input c 0 .. 1
+output 'out put (bar)' -4 .. 4
+term a low: trapezoid 0 0 1 1
+term 'out put (bar)' R: linear -2*a - 0.2472*'valve opening %' - 3
+inference defuzzifier weighted-average
+rule if a is low then 'out put (bar)' is R
+"""
+
+
+@pytest.mark.slow
+def test_a_page_of_four_variables_has_its_labels_and_formulas(tmp_path):
+    figure = rulebase_figure(parse(FORMULAS).rulebase)
+    save_figure(figure, str(tmp_path / "f.png"))
+    (space,) = (axes for axes in figure.axes if hasattr(axes, "zaxis"))
+    assert space.zaxis.label.get_window_extent().x0 >= 0
+    texts = " ".join(" ".join(text.split()) for axes in figure.axes for text in labels(axes))
+    assert "linear -2*a - 0.2472*'valve opening %' - 3" in texts
+
+
 def test_noise_of_rounding_draws_no_contour_line():
     level = 0.1
     values = np.where(np.arange(21)[:, None] < 10, level, 0.9) + np.zeros((21, 21))

@@ -6,7 +6,7 @@ Each is a node of the syntax tree that defines how it is read (``read``, from a 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -298,9 +298,9 @@ class LinearPart(NamedTuple):
         variable = cursor.variable("an input", "input")
         return cls(sign * figure, variable, start.to(variable.span))
 
-    def text(self, factor: float) -> str:
+    def text(self, factor: float, spell: Callable[[float], str] = number_text) -> str:
         """Return the summand with another factor."""
-        number = number_text(factor)
+        number = spell(factor)
         return number if self.variable is None else f"{number}*{name_text(self.variable)}"
 
 
@@ -354,7 +354,7 @@ class ShapeNode(NamedTuple):
             pairs = zip(self.figures[0::2], self.figures[1::2], strict=True)
             body = " ".join(f"({number_text(x)}, {number_text(y)})" for x, y in pairs)
         elif kind == "linear":
-            body = _sum_text(self.parts)
+            body = sum_text(self.parts)
         elif kind == "formula":
             body = quote(self.formula, '"')
         else:
@@ -417,13 +417,14 @@ def _read_sum(cursor: Cursor) -> tuple[LinearPart, ...]:
     return tuple(parts)
 
 
-def _sum_text(parts: tuple[LinearPart, ...]) -> str:
+def sum_text(parts: tuple[LinearPart, ...], spell: Callable[[float], str] = number_text) -> str:
+    """Return the sum of a ``linear`` consequent; `spell` writes its numbers."""
     first, *rest = parts
-    text = first.text(first.factor)
+    text = first.text(first.factor, spell)
     for part in rest:
         # Decide by text, not `< 0.0`: a factor of -0.0 keeps its sign.
         negative = number_text(part.factor).startswith("-")
-        text += f" {'-' if negative else '+'} {part.text(abs(part.factor))}"
+        text += f" {'-' if negative else '+'} {part.text(abs(part.factor), spell)}"
     return text
 
 

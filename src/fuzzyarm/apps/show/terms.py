@@ -13,7 +13,9 @@ from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.picture import Band, Line
 from fuzzyarm.language.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.language.model.shapes import corner_points, membership
+from fuzzyarm.language.phrases import sum_text
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.language.writer import shape_node
 from fuzzyarm.symbolic.kinds import SHAPES
 
 if TYPE_CHECKING:
@@ -51,18 +53,9 @@ def shape_words(
 
 
 def _linear_words(shape: Shape, rulebase: RuleBase | None, spell: Callable[[float], str]) -> str:
-    *factors, constant = shape.parameters
-    names = (
-        [v.name for v in rulebase.inputs] if rulebase else [f"x{k}" for k in range(len(factors))]
-    )
-    parts = [
-        f"{spell(factor)}*{name_text(name)}"
-        for factor, name in zip(factors, names, strict=False)
-        if factor
-    ]
-    if constant or not parts:
-        parts.append(spell(constant))
-    return "linear " + " + ".join(parts)
+    count = len(shape.parameters) - 1
+    names = [v.name for v in rulebase.inputs] if rulebase else [f"x{k}" for k in range(count)]
+    return f"linear {sum_text(shape_node(shape, names).parts, spell)}"
 
 
 def visible_range(variable: Variable) -> tuple[float, float]:

@@ -304,6 +304,7 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     space.set_zlabel(names[2], fontsize=LABEL)
     space.zaxis.set_rotate_label(False)  # matplotlib's default is downwards
     space.zaxis.label.set_rotation(90)  # horizontal text would leave the figure
+    space.zaxis.labelpad = 0.0  # with more of it, the label leaves a subfigure
     for axis, name in zip((space.xaxis, space.yaxis), names, strict=False):
         axis.labelpad = 4.0 + 12.0 * text_width(
             name, LABEL
