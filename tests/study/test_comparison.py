@@ -14,10 +14,12 @@ from fuzzyarm.apps.study.comparison import CONDITIONS, compare, compared_names, 
 from fuzzyarm.apps.study.cost import RESOLUTION, CostError, count_operations, measure_time
 from fuzzyarm.control.controllers import CompiledController, Controller, controller
 from fuzzyarm.control.controllers.law import Law, law_kernel
-from fuzzyarm.control.loop import Options, simulate
+from fuzzyarm.control.controllers.own import find_controller
+from fuzzyarm.control.loop import Options, Signal, simulate
 from fuzzyarm.language import read_text
 from fuzzyarm.plant import pick_and_place, through
 from fuzzyarm.plant.setting import PLAIN, STUDY_TABLES
+from fuzzyarm.requests import CompareRequest
 
 SHORT = through([(0.5, -0.4)], segment=0.05)
 QUICK = through([(10.0, -10.0), (-5.0, 4.0)], segment=0.3)
@@ -374,3 +376,20 @@ def test_a_time_that_is_lost_in_the_noise_is_never_a_figure(monkeypatch, capsys)
     rows = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line}
     assert rows["pd"].rstrip().endswith(" < 10")
     assert rows["ct"].rstrip().endswith(" 42")
+
+
+@pytest.mark.parametrize("settings", [(), ("G_e=10",)])
+def test_a_request_compares_along_references(settings):
+    servo = str(shipped("servo.frb"))
+    request = CompareRequest(
+        controllers=(servo,), plant="motor", step=0.1, duration="0.1s", set=settings
+    )
+    (found,) = compare(request)
+    gains = {key: [float(value)] for key, _, value in (word.partition("=") for word in settings)}
+    run = simulate(
+        find_controller(servo).with_gains(gains),
+        "motor",
+        reference={"position": Signal("step", (0.1,))},
+        duration=0.1,
+    )
+    assert found.rms == pytest.approx([metrics.rms for metrics in run.metrics.values()])

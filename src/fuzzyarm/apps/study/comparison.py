@@ -23,12 +23,18 @@ from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import text_law_of
 from fuzzyarm.control.controllers.own import find_controller, find_controllers
 from fuzzyarm.control.loop.along import equipped, trajectory_motion
-from fuzzyarm.control.loop.course import Options
-from fuzzyarm.control.loop.experiments import follows, with_plant
+from fuzzyarm.control.loop.course import Motion, Options
+from fuzzyarm.control.loop.experiments import follows, with_drives, with_plant, with_settings
 from fuzzyarm.control.loop.loop import ALONG_PATH, HELD, MAGNITUDES, rms
 from fuzzyarm.control.loop.program import shown_errors, shown_means, shown_units
 from fuzzyarm.control.loop.run import ClosedLoop
-from fuzzyarm.control.loop.words import connections, conventions_of, options_of, times_and_angles
+from fuzzyarm.control.loop.words import (
+    connections,
+    conventions_of,
+    motion_of,
+    options_of,
+    times_and_angles,
+)
 from fuzzyarm.exchange.export.cost import step_cost
 from fuzzyarm.exchange.export.numbers import ExportError
 from fuzzyarm.plant.driven_arm import Arm
@@ -36,7 +42,6 @@ from fuzzyarm.plant.following import carries, compared_trajectories
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
-from fuzzyarm.requests.fields import RequestError
 from fuzzyarm.requests.runs import CompareRequest
 
 Numbers = tuple[float, ...]
@@ -150,7 +155,7 @@ def compare(
     ----------
     controllers : sequence of str or Controller, or CompareRequest
         Of the catalogue, sums or files. A request alone holds every setting of ``fuzzyarm
-        compare``.
+        compare``, references too.
     options : Options, optional
         The conditions; see :data:`CONDITIONS`.
     plant : Plant, optional
@@ -196,33 +201,42 @@ def compare(
             )
             for way in ways
         ]
-        yield Compared(
-            name=law.name,
-            units=tuple(unit for run in runs for unit in run.units),
-            rms=tuple(error for run in runs for error in run.rms),
-            rms_periods=tuple(error for run in runs for error in run.rms_periods),
-            rms_path=tuple(error for run in runs for error in run.rms_path),
-            variation=tuple(change for run in runs for change in run.variation),
-            diverged=tuple(run.diverged for run in runs),
-            notes=tuple(dict.fromkeys(note for run in runs for note in run.notes)),
-        )
+        yield _compared(law, runs)
+
+
+def _compared(law: Controller, runs: Sequence[Watched]) -> Compared:
+    return Compared(
+        name=law.name,
+        units=tuple(unit for run in runs for unit in run.units),
+        rms=tuple(error for run in runs for error in run.rms),
+        rms_periods=tuple(error for run in runs for error in run.rms_periods),
+        rms_path=tuple(error for run in runs for error in run.rms_path),
+        variation=tuple(change for run in runs for change in run.variation),
+        diverged=tuple(run.diverged for run in runs),
+        notes=tuple(dict.fromkeys(note for run in runs for note in run.notes)),
+    )
 
 
 def _compared_by(request: CompareRequest) -> Iterator[Compared]:
-    """Carry out a request along the trajectories of its plant."""
+    """Carry out a request along the trajectories of its plant, or along references."""
     controllers = find_controllers(request.controllers or compared_names())
     request, plant = with_plant(request, controllers)
+    controllers, plant = with_settings(request, controllers, plant)
+    conventions, connect = conventions_of(request), connections(request)
     if not follows(request, plant):
-        message = f"{plant.name} follows references here: compare the runs of `simulate`"
-        raise RequestError("plant", f"must have trajectories to compare along: {message}")
+        plant, options = with_drives(request, plant)
+        for law in controllers:
+            motion = motion_of(request, law, plant)
+            yield _compared(law, [_watched(law, motion, conventions, options, connect)])
+        return
     yield from compare(
         controllers,
         options_of(request, plant),
         plant=plant,
         trajectories=compared_along(request, plant),
-        conventions=conventions_of(request),
+        conventions=conventions,
         payload=bool(request.payload),
-        connect=connections(request),
+        connect=connect,
     )
 
 
@@ -270,6 +284,16 @@ def watched_run(
         payload=payload and carries(home),
         connect=connect,
     )
+    return _watched(controller, motion, conventions, options, connect)
+
+
+def _watched(
+    controller: Controller,
+    motion: Motion,
+    conventions: Conventions,
+    options: Options,
+    connect: Mapping[str, str] | None,
+) -> Watched:
     loop = ClosedLoop(controller, motion, conventions, options, connect)
     course, run = loop.course, loop.open()
     run.advance()
