@@ -13,6 +13,7 @@ import pytest
 from fuzzyarm.apps.show.drawing import plain_text, scale_of
 from fuzzyarm.apps.show.figures.panels import chart_figure
 from fuzzyarm.apps.show.panels import HATCH, LinePlot, SurfaceMap, panel_view
+from fuzzyarm.apps.show.search import cost_panel
 from fuzzyarm.apps.show.sweep import edges_of, sweep_chart
 from fuzzyarm.apps.show.validation import MOST_RULES, validation_chart
 from fuzzyarm.base.picture import (
@@ -184,3 +185,17 @@ def test_numbers_along_a_logarithmic_axis_have_room(low, high, texts):
     assert sorted((text.get_text() for text in shown), key=float) == texts
     boxes = sorted((text.get_window_extent() for text in shown), key=lambda box: box.x0)
     assert all(first.x1 < second.x0 for first, second in pairwise(boxes))
+
+
+def test_the_dots_of_few_trials_are_seen_and_those_of_many_are_small_and_pale():
+    def dots(count):
+        trials = [SimpleNamespace(score=SimpleNamespace(cost=1.0))] * count
+        panel = cost_panel({"search": SimpleNamespace(trials=trials, curve=[1.0] * count)})
+        (found,) = panel.of(Dots)
+        assert len(found.x) == count
+        return found.size, found.opacity
+
+    assert dots(8)[0] >= 4.0
+    assert dots(8)[1] >= 0.6
+    assert dots(100) == dots(8)
+    assert dots(5000) == (1.5, 0.25)

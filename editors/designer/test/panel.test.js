@@ -13,6 +13,7 @@ import {
   strokesOf,
   ticksOf,
   valueAt,
+  wordsOf,
 } from "../../../src/fuzzyarm/apps/designer/page/geometry/panel.js";
 
 test("a scale takes the ends of its axis to those of the plot, also where ratios are equal lengths", () => {
@@ -124,4 +125,11 @@ test("the pixel in the middle of a cell leads to it, its first row on top", () =
     }
   assert.ok(layout.toY(TABLE.y[0]) < layout.toY(TABLE.y[1]));
   assert.equal(cellAt(TABLE, layout, layout.inside.left - 1, 100), null);
+});
+
+test("a negative fraction has a form for a narrow cell", () => {
+  assert.deepEqual(wordsOf(-0.64, {}), ["-0.64", "-0.6", "-0.6", "-.6"]);
+  assert.equal(wordsOf(-0.04, {}).at(-1), "0");
+  assert.equal(wordsOf(10.5, {}).at(-1), "10.5");
+  assert.deepEqual(wordsOf(1200, { whole: true }), ["1200", "1.2k"]);
 });

@@ -28,12 +28,18 @@ def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
         costs = [trial.score.cost for trial in search.trials]
         points = [(at, x) for at, x in enumerate(costs, start=1) if x <= ceiling]
         trials, values = zip(*points, strict=True) if points else ((), ())
-        parts.append(Dots(trials, values, ".", COLOURS[k], 1.5, opacity=0.25))
+        size = dot_size(len(costs))
+        parts.append(Dots(trials, values, ".", COLOURS[k], size, opacity=size / 6.0))
         numbers = range(1, len(costs) + 1)
         parts.append(Line(numbers, best[name], COLOURS[k], 1.5, label=name, steps=True))
     high = ceiling if finite and max(finite) > ceiling else None
     across, up = Axis("trials", whole=True), Axis(cost, high=high, logarithmic=spreads(finite))
     return Panel(parts, across, up, "cost of trials, and the best so far", key="best")
+
+
+def dot_size(trials: int) -> float:
+    """Return the size of a trial's dot: of thousands they are small and pale."""
+    return min(4.0, max(1.5, 40.0 / math.sqrt(max(trials, 1))))
 
 
 def spreads(values: list[float]) -> bool:

@@ -1,8 +1,8 @@
 // Panels of pictures, drawn on a canvas: the page's renderer beside those for print and for the terminal. What there is
 // to be seen, and between which ends, is said by Python (fuzzyarm.base.picture); here are pixels and colours.
 
-import { clean, colourOf, context, FONTS, heatOf, hue, inkOn, SHADES, shortNumber, tickNumber } from "./draw.js";
-import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
+import { clean, colourOf, context, FONTS, heatOf, hue, inkOn, SHADES, tickNumber } from "./draw.js";
+import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf, wordsOf } from "./geometry/panel.js";
 import { crossings, spotsOf } from "./geometry/surface.js";
 
 /** @typedef {Messages.PanelData} PanelData */
@@ -382,12 +382,6 @@ function cells({ g, toX, toY }, part) {
     g.fillText(said, (x0 + x1) / 2, (y0 + y1) / 2 + 4);
   });
 }
-
-/** A number in a cell, the shorter the later. */
-const wordsOf = (value, { whole }) =>
-  whole
-    ? [String(value), `${shortNumber(value / 1000, 2)}k`]
-    : [shortNumber(value, 2), shortNumber(value, 1), shortNumber(Math.round(10 * value) / 10)];
 
 /**
  * Where the labels stand: in rows between title and plot.

@@ -1,5 +1,6 @@
 // Where the parts of a panel lie: the arithmetic of the page's renderer of pictures (panel.js). No drawing, no elements.
 
+import { shortNumber } from "../draw.js";
 import { decades, ticks } from "./chart.js";
 
 /** @typedef {{ low: number, high: number, logarithmic?: boolean, whole?: boolean, words?: string }} Axis */
@@ -193,4 +194,11 @@ export function cellAt(grid, { inside, xAt, yAt }, x, y) {
 export function outlineOf({ x, y }, [row, column]) {
   const [x0, x1, y0, y1] = [x[column], x[column + 1], y[row], y[row + 1]];
   return { is: "line", x: [x0, x1, x1, x0, x0], y: [y0, y0, y1, y1, y0], tone: "lit", width: 1.8, dash: "-" };
+}
+
+/** A number in a cell, the shorter the later: at last a fraction without its 0. */
+export function wordsOf(value, { whole }) {
+  if (whole) return [String(value), `${shortNumber(value / 1000, 2)}k`];
+  const tenths = shortNumber(Math.round(10 * value) / 10);
+  return [shortNumber(value, 2), shortNumber(value, 1), tenths, tenths.replace(/^(-?)0\./, "$1.")];
 }
