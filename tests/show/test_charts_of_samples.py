@@ -14,6 +14,7 @@ from fuzzyarm.apps.show.drawing import plain_text, scale_of
 from fuzzyarm.apps.show.figures.panels import chart_figure
 from fuzzyarm.apps.show.panels import HATCH, LinePlot, SurfaceMap, panel_view
 from fuzzyarm.apps.show.search import cost_panel
+from fuzzyarm.apps.show.start_map import map_panel
 from fuzzyarm.apps.show.sweep import edges_of, sweep_chart
 from fuzzyarm.apps.show.validation import MOST_RULES, validation_chart
 from fuzzyarm.base.picture import (
@@ -199,3 +200,14 @@ def test_the_dots_of_few_trials_are_seen_and_those_of_many_are_small_and_pale():
     assert dots(8)[1] >= 0.6
     assert dots(100) == dots(8)
     assert dots(5000) == (1.5, 0.25)
+
+
+def test_the_scale_of_a_map_of_starts_names_its_three_states():
+    box = SimpleNamespace(verdict="proved", low=(0.0, 0.0), high=(1.0, 1.0))
+    window = {name: SimpleNamespace(low=-1.0, high=1.0) for name in ("x", "v")}
+    found = SimpleNamespace(window=window, units={}, boxes=[box])
+    (cells,) = map_panel(found, 4, 4).of(Cells)
+    assert cells.value.words == "proved (−1), open (0), lost (1)"
+    assert cells.value.whole
+    figure = chart_figure(Chart([[map_panel(found, 4, 4)]], (5.0, 4.0)))
+    assert [tick for tick in figure.axes[1].get_yticks() if -1 <= tick <= 1] == [-1, 0, 1]

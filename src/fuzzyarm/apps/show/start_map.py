@@ -42,7 +42,8 @@ def _panel(found: StartMap, pair: tuple[int, int], columns: int, rows: int) -> P
     )
     values = _values(found, pair, x, y)
     others = len(names) > 2
-    value = Axis(f"proved (−1), lost (1){', on average' * others}", "", -1.0, 1.0)
+    states = f"proved (−1), open (0), lost (1){', on average' * others}"
+    value = Axis(states, "", -1.0, 1.0, whole=not others)
     across, up = (
         Axis(names[k], units.get(names[k], ""), span.low, span.high)
         for k, span in zip(pair, spans, strict=True)

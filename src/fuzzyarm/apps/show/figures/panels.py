@@ -199,6 +199,7 @@ def _draw_cells(axes: Axes, part: Cells) -> None:
     """Draw cells in the colours of the terminal, with a colour bar."""
     import numpy as np
     from matplotlib.colors import LogNorm, Normalize
+    from matplotlib.ticker import MaxNLocator
 
     values = np.ma.masked_invalid(np.asarray(part.values, dtype=float))
     shading: Literal["flat", "nearest"] = "flat" if part.has_edges else "nearest"
@@ -212,6 +213,9 @@ def _draw_cells(axes: Axes, part: Cells) -> None:
         )  # fmt: skip
         bar = colour_bar(axes.get_figure(), image, axes, safe(axis.words), shrink=0.9)
         bar.ax.tick_params(which="minor", labelsize=7)
+        if axis.whole and not axis.logarithmic:
+            bar.locator = MaxNLocator(integer=True)
+            bar.update_ticks()
     if part.missing and np.ma.is_masked(values):
         blank = np.ma.masked_where(~np.ma.getmaskarray(values), np.ones(values.shape))
         axes.pcolor(part.x, part.y, blank, shading=shading, **HATCHED)
