@@ -131,7 +131,7 @@ class WorkJournal:
             except ValueError:
                 # The head has three lines; people count from 1.
                 message = f"{self.path}: line {number + 4} is not that of {self.piece} {number}"
-                hint = "remove what follows it, or the file"
+                hint = "remove this line and those after it, or the file"
                 raise JournalError(message, hint=hint) from None
         return rows
 

@@ -8,7 +8,7 @@ also becomes a network of rectifiers: .onnx, for verifiers of neural networks.
 A FILE that is a table is rewritten in the other format.
 
 Levels, bins and rounding are those of the file's `lookup` settings; an input without
-any gets 13 even levels. Prints the worst and mean error of the table against direct inference,
+any gets 13 even levels. Prints the worst and RMS error of the table against direct inference,
 for each lookup mode; "proved" bounds hold between the points too. --tolerance T searches the
 smallest even grid whose linear interpolation is nowhere off by more than T, and ignores the
 file's lookup settings.

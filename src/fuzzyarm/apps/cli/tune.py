@@ -2,7 +2,7 @@
 
 The file chooses the free numbers: a tune block in a rule base, tune LOW .. HIGH after a gain,
 or --tune lines instead. By default all peaks move, and even spacing stays even. Every candidate
-keeps the expect and prove lines.
+keeps the expect and prove lines, except claims about the loop: prove those of the result.
 
 --cost is a formula of metrics, such as "rms + 0.002*variation" (rms, max, overshoot, settling,
 iae, effort, variation, chatter, …), or FILE.py:FUNCTION. A plant with trajectories, such as the
