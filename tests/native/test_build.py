@@ -82,7 +82,16 @@ def test_a_loop_fills_in_what_is_its_own_run_s_and_nothing_that_runs_share():
     positions = dict(printing.filled_arrays(unit.entries))[loop.key]
     filled = {LoopBlock._fields[position] for position in positions}
     # The memory is what laws fill in, which this unit does not have.
-    assert filled == {"sensors", "limits", "late", "board", "state", "clock", "record", "progress"}
+    assert filled == {
+        "sensors",
+        "limits",
+        "dead_times",
+        "board",
+        "state",
+        "clock",
+        "record",
+        "progress",
+    }
 
 
 def test_a_named_compiler_comes_first(monkeypatch):
