@@ -122,7 +122,7 @@ def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved
         "axis a\n  e = error of y\n  p = e * 2\n  drive push = p\n"
     )
     plant = find_plant(str(tmp_path / "cliff.py"))
-    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=10.0)
+    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=5.0)
     # y' = y/2 + u with |u| ≤ 1 comes back from |y| < 2 and from nowhere else.
     for box in found.boxes:
         near, far = min(map(abs, (*box.low, *box.high))), max(map(abs, (*box.low, *box.high)))
