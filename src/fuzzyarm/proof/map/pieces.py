@@ -348,13 +348,13 @@ class Pieces:
         self._terms = np.zeros((self.count, dimension, columns if adds else 0))
         self._doubtful = np.zeros(self.count, dtype=bool)
         self._zeros = np.zeros((self.count, dimension + 1), dtype=np.int64)
-        coarse = [x[self.cell[:, i]] for i, x in enumerate(self.grid.coarse)]
-        self._coarse = np.logical_and.reduce(coarse) & all(
+        self._coarse_weights = all(
             (rule.weight * COARSE).denominator == 1
             for system in self.systems
             for rule in system.model.rules
         )
-        self._sure = np.repeat(self._coarse[:, None], dimension + 1, axis=1)
+        coarse = self._in_coarse_cells(np.arange(self.count))
+        self._sure = np.repeat(coarse[:, None], dimension + 1, axis=1)
 
     @property
     def cell(self) -> Array:
@@ -397,7 +397,7 @@ class Pieces:
             return
         more = min(max(count, 2 * capacity), self.most) - capacity
         names = ("_cell", "_corners", "_heights", "_slopes", "_terms", "_doubtful", "_zeros")
-        for name in (*names, "_coarse", "_sure"):
+        for name in (*names, "_sure"):
             array = getattr(self, name)
             grown = np.empty((capacity + more, *array.shape[1:]), dtype=array.dtype)
             grown[:capacity] = array
@@ -572,9 +572,15 @@ class Pieces:
         undecided.append(_compared(first, second, self.arithmetic))
         return _chosen(first, second, largest=node.kind in {"max", "bounded and"})
 
+    def _in_coarse_cells(self, which: Array) -> Array:
+        """Return which pieces lie in cells where floats are exact."""
+        cells = self.cell[which]
+        coarse = [x[cells[:, i]] for i, x in enumerate(self.grid.coarse)]
+        return np.asarray(np.logical_and.reduce(coarse) & self._coarse_weights)
+
     def _note_cancelled(self, which: Array, total: Array, terms: Array, most: float) -> None:
         """Note pieces on which slopes cancel, so that the rounding of their terms counts."""
-        lost = any_of_rows(most * np.abs(total) < terms) & ~self._coarse[which]
+        lost = any_of_rows(most * np.abs(total) < terms) & ~self._in_coarse_cells(which)
         self.doubtful[which[lost]] = True
 
     def _cut_at_layers(self, form: ClosedForm, first: int) -> None:
@@ -659,26 +665,26 @@ class Pieces:
             # The first mixed difference is cut first: later ones are affine only once it is
             # decided.
             comparisons = undecided_on(which)
-            gaps = [self._cleared(each.gap, which, k) for k, each in enumerate(comparisons)]
+            if not self.arithmetic.exact:
+                comparisons = [self._cleared(x, which, k) for k, x in enumerate(comparisons)]
             cuts = np.full(len(which), -1)
-            for number, gap in enumerate(gaps):
-                cuts = np.where((cuts < 0) & self._is_mixed(gap), number, cuts)
+            for number, each in enumerate(comparisons):
+                cuts = np.where((cuts < 0) & self._is_mixed(each.gap), number, cuts)
             parts.append(which[cuts < 0])
             for number, each in enumerate(() if self.arithmetic.exact else comparisons):
-                self._note_slivers(which, each._replace(gap=gaps[number]), number, cuts < 0)
+                self._note_slivers(which, each, number, cuts < 0)
             following = [
-                self._split(which[selection], each._replace(gap=gaps[number][selection]), number)
+                self._split(which[selection], each.gap[selection], number, coarse=each.coarse)
                 for number, each in enumerate(comparisons)
                 if (selection := np.flatnonzero(cuts == number)).size
             ]
             which = np.concatenate(following) if following else np.zeros(0, dtype=int)
         return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
 
-    def _cleared(self, gap: Array, which: Array, number: int) -> Array:
+    def _cleared(self, comparison: _Comparison, which: Array, number: int) -> _Comparison:
         """Return a difference without the rounding at vertices that were cut where it is 0."""
-        if self.arithmetic.exact:
-            return gap
-        return np.where(self._zeros[which] & _bit(number), 0.0, gap)
+        cut_here = self._zeros[which] & _bit(number)
+        return comparison._replace(gap=np.where(cut_here, 0.0, comparison.gap))
 
     def _note_slivers(
         self, which: Array, comparison: _Comparison, number: int, decided: Array
@@ -700,9 +706,8 @@ class Pieces:
             return np.asarray((low < 0) & (high > 0))
         return np.asarray((low < -SAME) & (high > SAME))
 
-    def _split(self, which: Array, comparison: _Comparison, number: int) -> Array:
+    def _split(self, which: Array, gap: Array, number: int, *, coarse: bool) -> Array:
         """Cut each piece in two where a difference is 0 on one of its edges."""
-        gap = comparison.gap
         rows = np.arange(len(which))
         above, below = gap.argmax(axis=1), gap.argmin(axis=1)
         span = gap[rows, above] - gap[rows, below]
@@ -719,14 +724,14 @@ class Pieces:
             values[start + rows, below] = values[which, above] = middles[-1]
         zeros, sure = self._zeros, self._sure
         both = zeros[which, above] & zeros[which, below] | _bit(number)
-        exact = sure[which, above] & sure[which, below]
-        if not self.arithmetic.exact and comparison.coarse:
-            exact &= _is_coarse(share) & (share * span == gap[rows, above])
-            exact &= _is_coarse(middles[0]).all(axis=1)
-        for values, middle in ((zeros, both), (sure, exact & comparison.coarse)):
+        is_sure = sure[which, above] & sure[which, below] & coarse
+        if not self.arithmetic.exact:
+            is_sure &= _is_coarse(share) & (share * span == gap[rows, above])
+            is_sure &= _is_coarse(middles[0]).all(axis=1)
+        for values, middle in ((zeros, both), (sure, is_sure)):
             values[start:end] = values[which]
             values[start + rows, below] = values[which, above] = middle
-        for inherited in (self._cell, self._slopes, self._terms, self._doubtful, self._coarse):
+        for inherited in (self._cell, self._slopes, self._terms, self._doubtful):
             inherited[start:end] = inherited[which]
         return np.concatenate([which, np.arange(start, end)])
 

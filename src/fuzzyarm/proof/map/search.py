@@ -69,19 +69,7 @@ class QuotientProblem:
 class QuotientSearch:
     """The search for bounds of quotients, with a cache of cut pieces.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model.
-    output : str
-        Name of the output.
-    tolerance : float, optional
-        Largest gap between bounds and attained values, in their units; 1e-8 of the range of the
-        output by default.
-    stop : Stop, optional
-        Time budget and callback for progress.
-    exact : bool
-        Compute everything in rationals.
+    Its parameters are those of :class:`.prover.Prover`.
 
     Attributes
     ----------

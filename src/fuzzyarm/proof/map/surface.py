@@ -288,6 +288,8 @@ class Surface:
         ends = list(vertices_of(self.dimension, quotients.degree))
         zero = quotients.lower[:, ends] == 0
         rows = np.flatnonzero(zero.any(axis=1))
+        if not rows.size:
+            return unsure
         owner = quotients.owner[rows]
         sure = self.pieces.sure[owner] & (self._fired(valued=True)[owner] == 0)
         unsure[owner[(zero[rows] & ~sure).any(axis=1)]] = True
