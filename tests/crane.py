@@ -1,4 +1,4 @@
-"""A plant of a user's own with trajectories and a load, and a controller for it, as files."""
+"""Plants of a user's own as files: one with trajectories and a load, with its controller."""
 
 CRANE = '''
 from fuzzyarm.plant import Plant, Port, through
@@ -24,6 +24,20 @@ class Crane(Plant):
     def derivative(self, t, x, u, p):
         return [x[1], (u[0] - p[1] * x[1]) / p[0]]
 '''
+
+SLEDGE = """
+from fuzzyarm.plant import Plant, Port
+
+class Sledge(Plant):
+    axis = "cart"
+    inputs = {"force": Port("N", -30, 30)}
+    outputs = {"x": Port("m", -2, 2)}
+    states = {"x": "m"}
+
+    def derivative(self, t, x, u, p):
+        return [u[0]]
+"""
+"""It has the axis of a shipped plant, and a drive of another name."""
 
 HOOK = """
 controller hook "PD control of a hook"

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 import pytest
+from crane import SLEDGE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,7 +23,7 @@ from fuzzyarm.exchange.files import PlantOf, check_file, check_parsed, check_tex
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS
 from fuzzyarm.plant.own import PLANTS, find_plant
-from fuzzyarm.plant.plant import Plant, Port, interface_of
+from fuzzyarm.plant.plant import interface_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "controllers.md"
 
@@ -287,21 +288,12 @@ def test_a_port_that_the_plant_does_not_have():
     assert names(text, PlantOf(find_plant("motor"), {"speed": "velocity"})) == []
 
 
-class Sledge(Plant):
-    """A plant of a user with the axis of a shipped one, and with a drive of another name."""
+def test_a_plant_of_the_user_counts_where_more_of_the_ports_are_its_own(tmp_path):
+    (tmp_path / "own.py").write_text(SLEDGE)
+    sledge = find_plant(str(tmp_path / "own.py"))
 
-    axis = "cart"
-    inputs = {"force": Port("N", -30, 30)}
-    outputs = {"x": Port("m", -2, 2)}
-    states = {"x": "m"}
-
-    def derivative(self, t, x, u, p):
-        return [u[0]]
-
-
-def test_a_plant_of_the_user_counts_where_more_of_the_ports_are_its_own():
     def found(text):
-        review = check_parsed(parse(text), text, own=[Sledge()])
+        review = check_parsed(parse(text), text, own=[sledge])
         return [each.message for each in review.diagnostics]
 
     lines = ["e = error of x", "drive force = 2 * e, within -30 .. 30"]
@@ -312,7 +304,7 @@ def test_a_plant_of_the_user_counts_where_more_of_the_ports_are_its_own():
     assert found(text_of(*lines, axis="cart")) == ["the cartpole has no drive 'force'"]
     cartpole = shipped("cartpole.frb")
     text = cartpole.read_text()
-    review = check_parsed(parse(text), text, str(cartpole), own=[Sledge()])
+    review = check_parsed(parse(text), text, str(cartpole), own=[sledge])
     assert review == check_text(text, str(cartpole))
 
 

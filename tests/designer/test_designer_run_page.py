@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from crane import SLEDGE
 from needs import requires
 from test_designer_accessibility import AXE, violations
 from test_designer_page import Served, put, text_of, until
@@ -274,18 +275,6 @@ def test_the_predictor_meets_a_dead_time_that_is_typed_in(served, browser):
     page.context.close()
 
 
-SLEDGE = """
-from fuzzyarm.plant import Plant, Port
-
-class Sledge(Plant):
-    axis = "cart"
-    inputs = {"force": Port("N", -30, 30)}
-    outputs = {"x": Port("m", -2, 2)}
-    states = {"x": "m"}
-
-    def derivative(self, t, x, u, p):
-        return [u[0]]
-"""
 PULL = """controller pull
 period 5 ms
 axis cart
