@@ -221,8 +221,10 @@ class OpenFiles:
     async def _settle(self, _window: Window, request: requests.Settle, _: dict[str, Any]) -> None:
         shared = self.workspace.text(request.file)
         before = shared.version
-        shared.settle(request.keep)
-        await self._changed(request.file, shared, before, disk=True)
+        try:
+            shared.settle(request.keep)
+        finally:  # the window that asked shows the conflict no more
+            await self._changed(request.file, shared, before, disk=True)
 
     async def _say(self, window: Window, request: requests.OfJob, message: dict[str, Any]) -> None:
         """Give words to work that still runs."""
@@ -437,15 +439,15 @@ class OpenFiles:
     ) -> None:
         """Send the changes of a file since a version to its windows, and check it again."""
         updates = shared.since(before) or []
-        news: list[dict[str, Any]] = [{"is": "status", **shared.status, "reread": reread}]
-        if disk:  # the text on disk may be long, and changes rarely
-            news[0]["saved"] = shared.saved
-        if updates:
-            news.insert(0, {"is": "updates", "version": before, "updates": updates})
+        news: Updates = {"is": "updates", "file": name, "version": before, "updates": updates}
         shared.forget()
         for window in self._on(name):
-            for item in news:
-                await window.tell({**item, "file": name})
+            if updates:
+                await window.tell(news)
+            status = {"is": "status", "file": name, **shared.status, "reread": reread}  # of now
+            if disk:  # the text on disk may be long, and changes rarely
+                status["saved"] = shared.saved
+            await window.tell(status)
         if updates:
             self._check(name, shared)
         await self._tell_unsaved()

@@ -254,7 +254,13 @@ export class Desk {
   /** Say above all views what stands between the text and its file, and offer the ways out. */
   tellState = (message) => {
     const settle = (words, keep) =>
-      el("button", { textContent: words, onclick: () => this.send({ do: "settle", keep }) });
+      el("button", {
+        textContent: words,
+        onclick: () => {
+          this.tell(""); // what is asked is answered; the state of the file comes again
+          this.send({ do: "settle", keep });
+        },
+      });
     if (message.unreadable) this.tell(S.unreadable(message.unreadable), settle(S.keepMine, "mine"));
     else if (message.elsewhere) this.tell(S.otherWindow, settle(S.keepThis, "mine"), settle(S.takeOther, "theirs"));
     else if (message.conflict) {
