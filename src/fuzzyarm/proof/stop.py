@@ -19,8 +19,20 @@ class TimeOverError(FuzzyarmError, TimeoutError):
         super().__init__("time ran out")
 
 
+TUBE_BUDGET = 60.0
+"""Default budget of a tube or of a tube's certificate, processor seconds."""
+
+LOOP_BUDGET = 300.0
+"""Default budget of the search for a region of a loop, and of a map, processor seconds."""
+
 PATIENCE = 10.0
 """Wall-clock seconds for each second of work, after which a proof gives up in any case."""
+
+
+def default_budget(budget: float, default: float) -> float:
+    """Return a budget, or the default of one that is not given (infinite)."""
+    return default if math.isinf(budget) else budget
+
 
 _worked = getattr(time, "thread_time", time.process_time)
 

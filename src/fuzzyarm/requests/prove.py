@@ -22,7 +22,8 @@ class ProveRequest(Request):
     budget: float | None = option(
         "--budget SECONDS",
         "processor seconds that each statement may take (those printed are by the clock); else a"
-        " tube or a certificate a minute, a map five, others no limit",
+        " minute for a tube or a certificate, two for a claim over a time, five for other claims"
+        " about a loop and for a map, no limit for a rule base",
         None,
         Limits(0.0, is_open=True),
         unit="seconds",

@@ -25,9 +25,9 @@ from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of
-from fuzzyarm.proof.loop.timed import TUBE_BUDGET, horizon
+from fuzzyarm.proof.loop.timed import horizon
 from fuzzyarm.proof.loop.waypoints import joined, waypoints
-from fuzzyarm.proof.stop import Stop, TimeOverError
+from fuzzyarm.proof.stop import TUBE_BUDGET, Stop, TimeOverError
 
 MOST_HALVINGS = 12
 

@@ -21,13 +21,14 @@ from fuzzyarm.language.model.rulebase import AnyRuleBase, Property
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.claim.text import claimed_plant, read_claim
-from fuzzyarm.proof.loop.map_search import MAP_BUDGET, MapSearch, map_starts
+from fuzzyarm.proof.loop.map_search import MapSearch, map_starts
 from fuzzyarm.proof.loop.orders import Proof, proofs_of
 from fuzzyarm.proof.loop.parts import prove_loop
 from fuzzyarm.proof.loop.start_map import StartMap
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
 from fuzzyarm.proof.map import verdicts
 from fuzzyarm.proof.map.verdicts import Verdict
+from fuzzyarm.proof.stop import LOOP_BUDGET, default_budget
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.prove import ProveRequest
 
@@ -63,7 +64,8 @@ class ProveKeywords(_MapKeywords, total=False):
     sensors : mapping of str to Sensor
         Of a controller: by port; exact ones by default.
     budget : float
-        Seconds until the verdict is undecided.
+        Processor seconds until the verdict is undecided; infinite: no limit for a rule base; a
+        minute for a tube, two for a claim over a time, five for other claims about a loop.
     tolerance : float
         Of a rule base: largest gap between bounds and attained values, in their units; 1e-8 of the
         range of the output by default.
@@ -272,7 +274,7 @@ def _map_of(
         watch = lambda found: tell(found.statement, len(found.boxes), 1.0 - found.decided)  # noqa: E731
     budget, resume = keywords.get("budget", math.inf), keywords.get("resume")
     search = MapSearch(
-        budget=MAP_BUDGET if math.isinf(budget) else budget,
+        budget=default_budget(budget, LOOP_BUDGET),
         workers=keywords.get("workers", 1),
         executor=keywords.get("executor"),
         journal=None if resume is None else os.fspath(resume),

@@ -42,12 +42,9 @@ from fuzzyarm.proof.loop.start_map import OPEN, PROVED, REFUTED, MappedBox, Star
 from fuzzyarm.proof.loop.symmetry import is_odd
 from fuzzyarm.proof.loop.timed import claim_of_stability
 from fuzzyarm.proof.loop.verdicts import judged
-from fuzzyarm.proof.stop import Stop, TimeOverError
+from fuzzyarm.proof.stop import LOOP_BUDGET, Stop, TimeOverError
 from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
-
-MAP_BUDGET = 300.0
-"""Default budget of each worker, seconds."""
 
 RUNS = 400
 """Random starts, to estimate the share of runs that come to rest."""
@@ -82,7 +79,7 @@ class MapSearch:
         Any of :mod:`concurrent.futures`, instead of processes of this machine.
     """
 
-    budget: float = MAP_BUDGET
+    budget: float = LOOP_BUDGET
     workers: int = 1
     journal: str | None = None
     runs: int = RUNS

@@ -28,17 +28,17 @@ from fuzzyarm.proof.check.checking import Checked, check_of
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
 from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.loop.map_search import MAP_BUDGET, MapSearch, map_starts
+from fuzzyarm.proof.loop.map_search import MapSearch, map_starts
 from fuzzyarm.proof.loop.margins import DriveMargins, margins_of_problem
 from fuzzyarm.proof.loop.parts import joined, prove_loop
 from fuzzyarm.proof.loop.start_map import StartMap
-from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
+from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
 from fuzzyarm.proof.map import Bounds, Prover, Verdict, prove_all, sector, slopes_at
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 from fuzzyarm.proof.map.sector import Sector, form_text
-from fuzzyarm.proof.stop import Stop
+from fuzzyarm.proof.stop import LOOP_BUDGET, TUBE_BUDGET, Stop
 from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.margins import MarginsRequest
 from fuzzyarm.requests.prove import ProveRequest
@@ -429,7 +429,7 @@ def map_of(
         claim = replace(claim, start=start)
     setup = setup_of(request, claim)
     search = MapSearch(
-        request.budget or MAP_BUDGET, request.workers or 1, request.resume, certify=certify
+        request.budget or LOOP_BUDGET, request.workers or 1, request.resume, certify=certify
     )
     return map_starts(controller, claim, search, watch=watch, **setup)
 

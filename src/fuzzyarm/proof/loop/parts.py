@@ -24,7 +24,7 @@ from fuzzyarm.proof.check.certificate import Certificate, Part
 from fuzzyarm.proof.check.checking import demand_proved
 from fuzzyarm.proof.claim.text import GivenLoop, claimed_plant
 from fuzzyarm.proof.loop.verdicts import PROVED, REFUTED, UNDECIDED, LoopVerdict, Tell, judged
-from fuzzyarm.proof.stop import Stop
+from fuzzyarm.proof.stop import LOOP_BUDGET, TUBE_BUDGET, Stop, default_budget
 
 MOST_HALVINGS = 6
 """Most halvings of a parameter's interval."""
@@ -57,7 +57,8 @@ def prove_loop(
     sensors : mapping of str to Sensor, optional
         By port; exact ones by default.
     budget : float
-        Seconds until the verdict is undecided.
+        Processor seconds until the verdict is undecided; infinite: two minutes of a claim for a
+        bounded time, else five.
     continuous : bool
         Prove the loop in continuous time, without a period.
     tell : callable, optional
@@ -96,7 +97,10 @@ class _Halving:
         continuous: bool,
     ) -> None:  # fmt: skip
         self.given, self.claim, self.continuous = given, claim, continuous
-        self.begun, self.stop, self.tell = time.monotonic(), Stop(budget), tell
+        # A tube takes half of the time; a region that is searched after it, the rest.
+        default = 2.0 * TUBE_BUDGET if math.isfinite(claim.end) else LOOP_BUDGET
+        self.stop = Stop(default_budget(budget, default))
+        self.begun, self.tell = time.monotonic(), tell
         self.pieces = 0
 
     def verdict(self) -> LoopVerdict:

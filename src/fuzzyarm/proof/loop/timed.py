@@ -34,9 +34,7 @@ from fuzzyarm.proof.loop.follower import Demand, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.tube import Tube, tube
 from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, stacked
-
-TUBE_BUDGET = 60.0
-"""Default budget of a tube, seconds."""
+from fuzzyarm.proof.stop import TUBE_BUDGET, default_budget
 
 PATIENCE = 32
 """Control periods after which a stalled box may be halved."""
@@ -72,7 +70,7 @@ def followed(
         problem,
         horizon,
         demands=demands,
-        budget=TUBE_BUDGET if math.isinf(budget) else budget,
+        budget=default_budget(budget, TUBE_BUDGET),
         progress=tell,
         goal=None if haven is None else haven.sign,
     )
@@ -115,7 +113,7 @@ def loop_tube(
     plant, connect, sensors
         As for :func:`fuzzyarm.proof.loop.prove_loop`.
     budget : float
-        s.
+        Processor seconds; infinite: a minute.
     tell : callable, optional
         Called with the finished share of the starts and the number of open boxes.
 
