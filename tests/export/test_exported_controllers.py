@@ -396,6 +396,7 @@ def test_what_cannot_be_exported_is_named(tmp_path):
     ("words", "status", "message"),
     [
         (["--levels", "9"], 2, "without --table"),
+        (["--q", "15"], 1, "--q 15 does not apply"),
         (["--table", "--direct"], 2, "exclude each other"),
         (["--fmi", "3"], 2, "not an FMU"),
         (["--output", "u"], 2, "as a whole"),

@@ -9,8 +9,9 @@ from fractions import Fraction
 
 import pytest
 
-from fuzzyarm import load_rulebase, prove, shipped
+from fuzzyarm import load_controller, load_rulebase, prove, shipped
 from fuzzyarm.proof import stop as stop_module
+from fuzzyarm.proof.loop import parts
 from fuzzyarm.proof.loop.affine import Affine
 from fuzzyarm.proof.loop.form_maker import solved
 from fuzzyarm.proof.map import Prover
@@ -58,3 +59,13 @@ def test_a_tolerance_may_be_any(tolerance: float) -> None:
     bounds = Prover(pd7, "u", tolerance=tolerance).steepness({})
     assert bounds.high >= bounds.reached_high > 0.0
     assert prove(pd7, "u slope e in -9 .. 9", tolerance=tolerance).verdict != "refuted"
+
+
+def test_a_claim_about_a_loop_ends_without_a_budget_of_its_own(monkeypatch) -> None:
+    """Of sampled sets, whose pieces took hours."""
+    monkeypatch.setattr(parts, "LOOP_BUDGET", 0.2)
+    begun = time.process_time()
+    text = load_controller("examples/closed_loop/joint-direct.frb")
+    verdict = prove(text, "stable on 'examples/closed_loop/loaded_arm.py:HeldJoint'")
+    assert verdict.verdict == "undecided"
+    assert time.process_time() - begun < 30.0

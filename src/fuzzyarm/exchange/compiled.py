@@ -263,11 +263,21 @@ def controller_program(
     if how.table:
         by_rules, controller = controller, with_tables(controller, compile_output)
         beside_rules = "" if how.q is not None else _beside_rules(by_rules, how, reports)
+    elif how.q is not None and not _looks_up(controller):
+        raise WordError(
+            f"--q {how.q} does not apply: {controller.model.name} has no table", hint="add --table"
+        )
     precision, widened = how.precision or default, how.precision is None
     program = ControllerProgram(
         controller, precision, how.q, how.proofs, widened, beside_rules, how.certified
     )
     return program, tuple(reports.values())
+
+
+def _looks_up(controller: ControllerText) -> bool:
+    return any(
+        not isinstance(sheet, RuleBase) for sheets in controller.sheets.values() for sheet in sheets
+    )
 
 
 def _beside_rules(
