@@ -18,7 +18,7 @@ import fuzzyarm
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.plant import find_plant
-from fuzzyarm.proof.check import Checked, check_certificate, checking, write_certificate
+from fuzzyarm.proof.check import Checked, check_certificate, theorem, write_certificate
 from fuzzyarm.proof.check.certificate import sealed
 from fuzzyarm.proof.loop import MapSearch, StartMap, map_starts, read_claim
 
@@ -102,9 +102,9 @@ def test_the_share_of_a_window_is_exact_and_never_rounded_up(
         reached = max(reached, high)
     low, high = (np.array([[box[k]] for box in boxes], dtype=object) for k in (0, 1))
     with pytest.MonkeyPatch.context() as patch:
-        assert checking._share_of(low, high, {"x": (0.0, 1.0)}) == total
-        patch.setattr(checking, "MOST_EXACT_CELLS", 0)  # by floats
-        assert total * (1 - Fraction(1, 10**8)) <= checking._share_of(
+        assert theorem._share_of(low, high, {"x": (0.0, 1.0)}) == total
+        patch.setattr(theorem, "MOST_EXACT_CELLS", 0)  # by floats
+        assert total * (1 - Fraction(1, 10**8)) <= theorem._share_of(
             low, high, {"x": (0.0, 1.0)}) <= total  # fmt: skip
 
 

@@ -9,7 +9,8 @@ Reading order, each module after those that it needs:
 - :mod:`.slopes`, :mod:`.motion`: the plant; :mod:`.lines`, :mod:`.loop`: the linear loop at rest;
 - :mod:`.region`: Lyapunov functions;
 - :mod:`.bands`, :mod:`.forms`, :mod:`.references`, :mod:`.tube`: sets of runs, sample by sample;
-- :mod:`.checking`: the check of a certificate as a whole, from its files on.
+- :mod:`.theorem`: the proof of a claim from those;
+- :mod:`.checking`: the check of a certificate, from its files to its words.
 """
 
 from typing import TYPE_CHECKING

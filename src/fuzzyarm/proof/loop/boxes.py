@@ -19,9 +19,9 @@ from fuzzyarm.proof.check.certificate import (
     TubeProof,
     new_certificate,
 )
-from fuzzyarm.proof.check.checking import demand_proved, ends_of_boxes, follow_tubes
 from fuzzyarm.proof.check.region import accepted
 from fuzzyarm.proof.check.rules import RuleSurfaces
+from fuzzyarm.proof.check.theorem import demand_proved, ends_of_boxes, follow_tubes
 from fuzzyarm.proof.check.tube import Followed, Follower, Haven, Task
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, problem_of

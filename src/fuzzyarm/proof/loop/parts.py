@@ -21,7 +21,7 @@ from fuzzyarm.language.model.claims import LoopClaim, Stretch
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.check.certificate import Certificate, Part
-from fuzzyarm.proof.check.checking import demand_proved
+from fuzzyarm.proof.check.theorem import demand_proved
 from fuzzyarm.proof.claim.text import GivenLoop, claimed_plant
 from fuzzyarm.proof.loop.verdicts import PROVED, REFUTED, UNDECIDED, LoopVerdict, Tell, judged
 from fuzzyarm.proof.stop import LOOP_BUDGET, TUBE_BUDGET, Stop, default_budget

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.proof.check.certificate import Pair, TubeProof
-from fuzzyarm.proof.check.checking import ends_of_boxes
 from fuzzyarm.proof.check.numbers import precisely
+from fuzzyarm.proof.check.theorem import ends_of_boxes
 from fuzzyarm.proof.check.tube import MOST_SYMBOLS, Followed, Follower, Task
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.stop import check_time
