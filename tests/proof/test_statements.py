@@ -618,3 +618,46 @@ def parsed(text: str) -> RuleBase:
     rulebase = parse(text).rulebase
     assert rulebase is not None
     return rulebase
+
+
+PRODUCT = """
+rulebase r
+input x 0 .. 1
+output u -1 .. 2
+term x A: ramp 0 1
+term x B: ramp 1 0
+term u P: singleton {value}
+inference and product, no-rule {no_rule}
+inference u: defuzzifier {way}, outside extend
+rule if x is A and x is B then u is P
+"""
+
+
+@pytest.mark.parametrize(
+    ("way", "value", "statement"),
+    [
+        ("weighted-sum", 4, "u < 1"),  # at one half: a corner of no piece
+        ("weighted-sum", -4, "u > -1"),
+        ("weighted-average", 1, "u < 1"),  # between two ends at which no rule fires
+    ],
+)
+def test_a_limit_that_is_reached_inside_a_piece_is_reached(
+    way: str, value: int, statement: str
+) -> None:
+    rulebase = parsed(PRODUCT.format(way=way, value=value, no_rule=0.5))
+    verdict = prove(rulebase, statement)
+    assert verdict.verdict == "refuted"
+    assert verdict.evidence
+    assert prove(rulebase, statement.replace("<", "<=").replace(">", ">=")).proved
+
+
+def test_a_limit_that_only_a_point_without_a_rule_would_reach_is_not_reached() -> None:
+    """With x for one rule and x² for the other, u = x / (1 + x) where any rule fires."""
+    rulebase = parsed(
+        "rulebase r\ninput x 0 .. 1\noutput u 0 .. 1\nterm x A: ramp 0 1\n"
+        "term u P: singleton 0\nterm u Q: singleton 1\ninference and product, no-rule 1\n"
+        "inference u: defuzzifier weighted-average\n"
+        "rule if x is A then u is P\nrule if x is A and x is A then u is Q\n"
+    )
+    assert prove(rulebase, "u > 0").proved
+    assert prove(rulebase, "x in 0.5 .. 1 -> u < 0.5").verdict == "refuted"

@@ -85,6 +85,22 @@ def _beside_vertices(dimension: int, degree: int) -> tuple[tuple[int, int, int],
 
 
 @cache
+def faces(dimension: int, degree: int) -> tuple[tuple[int, ...], ...]:
+    """Return the coefficients on each face, vertices first and the simplex itself last."""
+    indices = lattice(dimension, degree)
+    vertices = range(dimension + 1)
+    return tuple(
+        tuple(
+            number
+            for number, index in enumerate(indices)
+            if all(vertex in face or not index[vertex] for vertex in vertices)
+        )
+        for count in range(1, dimension + 2)
+        for face in combinations(vertices, count)
+    )
+
+
+@cache
 def barycentric(dimension: int, degree: int, *, exact: bool) -> Array:
     """Return the lattice points as weights of the vertices, shape (points, vertices)."""
     arithmetic = rationals() if exact else FLOATS
@@ -276,13 +292,30 @@ class Quotients:
         return self.select(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
 
     def touches(self, bound: Any) -> tuple[int, Array] | None:
-        """Return the piece and the position of a vertex with N / D equal to a bound; or None."""
+        """Return a simplex and the position of a vertex with N / D at least a bound; or None."""
         for vertex, index in enumerate(vertices_of(self.corners.shape[2], self.degree)):
             at = (self.lower[:, index] > 0) & (self.upper[:, index] >= bound * self.lower[:, index])
             if at.any():
                 row = int(np.flatnonzero(at)[0])
-                return int(self.owner[row]), self.corners[row, vertex]
+                return row, self.corners[row, vertex]
         return None
+
+    def may_touch(self, bound: Any, stop: Stop) -> Array:
+        """Return the simplices on which N / D may equal a bound that it does not exceed.
+
+        N − bound D has no coefficient above 0 there, and is 0 inside a face if all of the face's
+        coefficients are. That is a value of N / D unless those of D are 0 as well.
+        """
+        parts = [np.zeros(0, dtype=bool)]
+        every_face = [list(face) for face in faces(self.corners.shape[2], self.degree)]
+        for part in _in_parts(self.count, stop):
+            upper, lower = self.upper[part], self.lower[part]
+            zero, nothing = upper == bound * lower, lower == 0
+            touching = np.zeros(len(upper), dtype=bool)
+            for face in every_face:
+                touching |= zero[:, face].all(axis=1) & ~nothing[:, face].all(axis=1)
+            parts.append(touching)
+        return np.concatenate(parts)
 
     # ── refinement ───────────────────────────────────────────────────────────────────
 
@@ -344,6 +377,7 @@ SMALLEST = 1e-7
 """Shortest edge, in cell coordinates: on smaller simplices floats decide nothing."""
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def maximise(
     quotients: Quotients,
     tolerance: Any,
@@ -351,13 +385,15 @@ def maximise(
     *,
     least: Any = None,
     decide: bool = False,
+    strict: bool = False,
     smallest: float = SMALLEST,
 ) -> Extremum:
     """Return the supremum of N / D by branch and bound, `left` empty unless given up.
 
     The bound is at most the tolerance above an attained value; `least` is one attained elsewhere.
-    With `decide` the search ends at the first value above it. Simplices with edges below
-    `smallest`, in cell coordinates, are given up.
+    With `decide` the search ends at the first value above it, with `strict`, in rationals and
+    without a tolerance, at one equal to it, too. Simplices with edges below `smallest`, in cell
+    coordinates, are given up.
     """
     best, corner, owner = least, None, -1
     count, waiting = quotients.count, quotients
@@ -370,7 +406,13 @@ def maximise(
                 owner = int(waiting.owner[attained[1]])
                 if decide:
                     return Extremum(best, best, corner, owner, count, given_up)
-            waiting, too_small = _worth_halving(waiting, best, tolerance, smallest, stop)
+            touching = waiting.touches(best) if strict else None
+            if touching is not None:
+                owner = int(waiting.owner[touching[0]])
+                return Extremum(best, best, touching[1], owner, count, given_up)
+            waiting, too_small = _worth_halving(
+                waiting, best, tolerance, smallest, stop, strict=strict
+            )
             given_up = given_up.joined(too_small)
             if stop.tell is not None and waiting.count and best is not None:
                 stop.say(waiting.count, waiting.bound() - float(best))
@@ -395,15 +437,20 @@ def _exceeds(value: float, bound: Any) -> bool:
 
 
 def _worth_halving(
-    waiting: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
+    waiting: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop, *, strict: bool
 ) -> tuple[Quotients, Quotients]:
-    """Return the simplices that may exceed the attained value, and those too small to halve."""
+    """Return the simplices that may exceed the attained value, and those too small to halve.
+
+    `strict`: those that may reach it are kept as well.
+    """
     # Before any value is attained, only simplices without a value can be discarded.
     keep = (
         any_of_rows(waiting.lower != 0)
         if best is None
-        else waiting.excess(best + tolerance, stop) > 0
+        else ~(waiting.excess(best + tolerance, stop) <= 0)  # kept also if it overflows
     )
+    if strict:
+        keep |= waiting.may_touch(best, stop)
     waiting = waiting.select(np.flatnonzero(keep))
     shape = waiting.corners.astype(float)
     small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest

@@ -30,7 +30,7 @@ from fuzzyarm.language.model.shapes import corners as corners_of_variable
 from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.bounds import WIDENED, Bounds, UnprovableError
 from fuzzyarm.proof.map.crisp import Crisp, crisp
-from fuzzyarm.proof.map.memberships import Degrees, Interval, hedged, joined, widened
+from fuzzyarm.proof.map.memberships import Degrees, Interval, hedged, joined
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 
@@ -155,6 +155,8 @@ class Boxes:
             for name in self.names
         ]
         order = [self.names.index(axis.name) for axis in table.axes]
+        # Of an interpolation, beside a level with a large value.
+        rounding = 1e-14 * float(np.abs(table.values).max())
 
         def over(low: Array, high: Array) -> Interval:
             least, most = self._value_bounds(low, high)
@@ -169,7 +171,7 @@ class Boxes:
                 middle = 0.5 * (low + high)
                 corners = [table.lookup(*(middle[:, i] for i in order), mode=mode)]
             there = np.stack(corners)
-            return least - there.max(axis=0), most - there.min(axis=0)
+            return least - there.max(axis=0) - rounding, most - there.min(axis=0) + rounding
 
         def at(points: Array) -> Array:
             there = table.lookup(*(points[:, i] for i in order), mode=mode)
@@ -411,7 +413,8 @@ class Boxes:
             if rule not in intervals:
                 least, most = self._truth(planned.rule.antecedent, planned, degrees)
                 weight = planned.rule.weight
-                least, most = widened(least * weight, most * weight)
+                weights = np.full(len(low), weight)
+                least, most = joined(TNORMS["product"], (least, most), (weights, weights))
                 least, most = (
                     np.where(undecided, 0.0, least),
                     np.where(undecided, abs(weight), most),

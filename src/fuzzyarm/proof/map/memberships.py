@@ -22,6 +22,9 @@ from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, TNORMS, Norm
 SLACK = 4e-15
 """Relative widening of degrees for the rounding of norms."""
 
+FAINT = 1e-90
+"""Degrees below have no digits to spare once multiplied: bounds of them are 0 and this."""
+
 PARTS = 4
 """Parts of an interval over which a curved membership is bounded."""
 
@@ -33,7 +36,8 @@ Interval = tuple[Array, Array]
 
 def widened(least: Array, most: Array) -> Interval:
     """Widen degrees for rounding; 0 stays 0."""
-    return np.maximum(least * (1.0 - SLACK), 0.0), most * (1.0 + SLACK)
+    least = np.where(least < FAINT, 0.0, least * (1.0 - SLACK))
+    return least, np.where(most > 0.0, np.maximum(most * (1.0 + SLACK), FAINT), 0.0)
 
 
 def joined(norm: Norm, one: Interval, other: Interval) -> Interval:
@@ -42,6 +46,8 @@ def joined(norm: Norm, one: Interval, other: Interval) -> Interval:
     if norm is TNORMS["bounded"]:  # the sum loses operands below its last bit
         least = np.maximum(least - SLACK, 0.0)
         most = np.maximum(one[1] + other[1] - 1.0 + SLACK, 0.0)
+    if norm.positive:  # also where a product of floats is 0
+        most = np.where((one[1] > 0.0) & (other[1] > 0.0), np.maximum(most, FAINT), most)
     return widened(least, most)
 
 

@@ -226,17 +226,13 @@ class QuotientSearch:
             # Floats discard simplices clearly below the bound. They never decide those near it,
             # which go to rationals after a few halvings.
             smallest = SMALLEST if arithmetic.exact else 1 / 16
+            touch = strict and arithmetic.exact
             extremum = maximise(
                 oriented, start - start, self.stop,
-                least=start, decide=arithmetic.exact, smallest=smallest,
+                least=start, decide=arithmetic.exact, strict=touch, smallest=smallest,
             )  # fmt: skip
             count += extremum.pieces
-            fails = extremum.owner >= 0 and extremum.reached > least
-            if arithmetic.exact and strict and not fails:
-                touching = oriented.touches(start)
-                if touching is not None:
-                    at = self.named(surface.pieces.position(*touching))
-                    return Claim(False, at, count, True)
+            fails = extremum.owner >= 0 and (extremum.reached > least or touch)
             if fails:
                 corner = extremum.corner
                 assert corner is not None
@@ -252,7 +248,7 @@ class QuotientSearch:
                 break
             owners = undecided
             if extremum.owner >= 0:  # above the bound by less than the error of floats
-                above = oriented.excess(start, self.stop) > 0
+                above = ~(oriented.excess(start, self.stop) <= 0)
                 owners = np.concatenate([owners, oriented.owner[above]])
             cells = np.unique(surface.pieces.flat_cells[owners])
         return Claim(None, {}, count, False)
@@ -260,7 +256,7 @@ class QuotientSearch:
     @staticmethod
     def _doubtful(problem: QuotientProblem, surface: Surface, quotients: Quotients) -> Array:
         """Return the pieces for which floats are no evidence."""
-        unsure = surface.unsure_zeros(quotients)
+        unsure = surface.unsure(quotients)
         return unsure | surface.pieces.doubtful if problem.steep else unsure
 
     def _as_bounds(

@@ -34,6 +34,7 @@ from fuzzyarm.proof.map.bernstein import (
     MARGIN,
     Quotients,
     barycentric,
+    faces,
     from_values,
     vertices_of,
 )
@@ -45,6 +46,9 @@ from fuzzyarm.table.axis import TableHeader
 
 MOST_COEFFICIENTS = 3_000
 """Most coefficients of one polynomial; the matrix from values to coefficients has their square."""
+
+TINY = 1e-200
+"""Least error of a coefficient; where it is less, products of floats may have been rounded to 0."""
 
 _CHUNK, _CHUNK_OF_RATIONALS = 4_000_000, 40_000
 """Numbers per array while the lattice is evaluated; rationals take a thousand times as long."""
@@ -210,7 +214,7 @@ class Surface:
             shares = np.matmul(points, self.pieces.corners[which])
             there = table.at(self.pieces.cell[which], shares) - self.centre
             size = MARGIN * sums.size
-            far = self.reach + float(np.abs(there).max(initial=0))
+            far = self.reach + float(np.abs(table.values).max())
             return _Parts(sums.moment - there * sums.area, sums.area, 4.0 * size * far, size)
 
         return self._quotients(max(self.degree, self.area_degree + table.degree), make)
@@ -280,11 +284,20 @@ class Surface:
         """Return the pieces on which floats cannot decide whether a rule fires everywhere."""
         return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 
-    def unsure_zeros(self, quotients: Quotients) -> Array:
-        """Return the pieces at a vertex of which a denominator is 0 by rounding, maybe."""
+    def unsure(self, quotients: Quotients) -> Array:
+        """Return the pieces whose quotients floats may not represent.
+
+        At a vertex a denominator is 0 by rounding, maybe; or numbers are beyond those of floats,
+        or so small that their rounding is not relative.
+        """
         unsure = np.zeros(self.pieces.count, dtype=bool)
-        if self.arithmetic.exact:
+        if quotients.error is None:
             return unsure
+        some = (quotients.upper != 0) | (quotients.lower != 0)
+        tiny = some.any(axis=1) & (quotients.error.max(axis=1) < TINY)
+        finite = np.isfinite(quotients.upper) & np.isfinite(quotients.lower)
+        finite &= np.isfinite(quotients.error)
+        unsure[quotients.owner[tiny | ~finite.all(axis=1)]] = True
         ends = list(vertices_of(self.dimension, quotients.degree))
         zero = quotients.lower[:, ends] == 0
         rows = np.flatnonzero(zero.any(axis=1))
@@ -317,6 +330,7 @@ class Surface:
 
     # ── polynomials from values at the lattice ───────────────────────────────────────
 
+    @np.errstate(over="ignore", invalid="ignore")  # what overflows is unsure
     def _quotients(
         self,
         degree: int,
@@ -335,7 +349,6 @@ class Surface:
         matrix = from_values(self.dimension, degree, exact=exact, stop=self.pieces.stop)
         most = _CHUNK_OF_RATIONALS if exact else _CHUNK
         step = max(1, most // (len(points) * max(self.pieces.heights.shape[2], 4)))
-        ends = list(vertices_of(self.dimension, degree))
         parts = [make(ids, points) for ids in _chunks(which, step, self.pieces.stop)]
         if not parts:
             parts = [make(which, points)]
@@ -344,12 +357,7 @@ class Surface:
         corners = self.pieces.corners[which]
         if exact:
             return Quotients(upper, lower, None, 0.0, corners, which, degree)
-        # On a face whose vertices have no firing rule, sums have no terms: its coefficients are
-        # exactly 0.
-        nothing = np.concatenate([part.lower[:, ends] == 0 for part in parts])
-        flat = np.ones(lower.shape, dtype=bool)
-        for vertex in range(self.dimension + 1):
-            flat &= nothing[:, vertex, None] | (points[None, :, vertex] == 0)
+        flat = self._flat([part.lower for part in parts], degree)
         upper[flat] = lower[flat] = 0.0
         norm = float(np.abs(matrix).sum(axis=1).max())
         off_upper = norm * np.concatenate([part.upper_error for part in parts])
@@ -364,6 +372,21 @@ class Surface:
         errors = np.repeat(error[:, None], lower.shape[1], axis=1)
         errors[flat] = 0.0
         return Quotients(upper, lower, errors, reach, corners, which, degree)
+
+    def _flat(self, values: Sequence[Array], degree: int) -> Array:
+        """Return the coefficients on faces on which a denominator is exactly 0.
+
+        It is if it is at all lattice points of the face: without a firing rule sums have no terms.
+        The vertices alone are not enough, since products may be 0 there and not between them.
+        """
+        zero = np.asarray(np.concatenate(values) == 0)
+        flat = np.zeros(zero.shape, dtype=bool)
+        rows = np.flatnonzero(zero[:, list(vertices_of(self.dimension, degree))].any(axis=1))
+        some, flat_there = zero[rows], flat[rows]
+        for face in map(list, faces(self.dimension, degree) if rows.size else ()):
+            flat_there[:, face] |= some[:, face].all(axis=1)[:, None]
+        flat[rows] = flat_there
+        return flat
 
     @staticmethod
     def _slope(sums: _Sums, axis: int) -> Array:
@@ -440,17 +463,23 @@ class Surface:
         return self._known_layers[key]
 
     def _add_numbers(self, sums: _Sum, which: Array, points: Array, system: int) -> None:
-        number = self.arithmetic.number
+        number, exact = self.arithmetic.number, self.arithmetic.exact
         for column, rows, height, slope, steep in self._strengths(which, points, system):
             area = number(self.model.areas[column])
             value, value_slopes = self._value(column, which[rows], points)
+            size = steep
+            if slope is not None and not exact and any(self.model.values[column].coefficients):
+                # The slope of a moment has heights times slopes of values as well.
+                own = greatest_of_rows(np.abs(slope).sum(axis=2)) if steep is None else steep
+                more = np.abs(value_slopes).sum(axis=1) / self.reach
+                size = own + more * greatest_of_rows(np.abs(height))
             sums.add(
                 rows, height * area, height * area * value,
                 None if slope is None else slope * area,
                 None if slope is None else area * (slope * value[:, :, None]
                 + height[:, :, None] * value_slopes[:, None, :]),
                 float(area),
-                None if steep is None else steep * abs(float(area)),
+                None if size is None else size * abs(float(area)),
             )  # fmt: skip
         if self.model.is_sum:
             sums.set_area_to_one()
