@@ -144,3 +144,23 @@ def test_an_interpolation_beside_a_large_value_of_a_table_is_off_by_its_rounding
     for at in (Fraction(low), Fraction(1)):
         there = Fraction(values[0]) + at * (Fraction(values[1]) - Fraction(values[0]))
         assert bounds.low <= Fraction(0.25) - there <= bounds.high
+
+
+@pytest.mark.parametrize("seed", range(cases(20, 100)))
+def test_a_narrow_range_far_from_0_has_the_centre_that_it_has(seed: int) -> None:
+    """The middle of the range is no float: its rounding is more than a margin of the value."""
+    draw = random.Random(seed)
+    low = draw.uniform(0.1, 10)
+    peak, high = low * (1 + draw.uniform(1e-8, 1e-7)), low * (1 + 1.3e-7)
+    rulebase = read(
+        f"rulebase r\ninput x 0 .. 1\noutput u {low!r} .. {high!r}\nterm x A: ramp 0 1\n"
+        f"term u P: triangle {low!r} {peak!r} {high!r}\n"
+        "inference u: outside extend\nrule if x is any A then u is P\n"
+    )
+    value = sum(map(Fraction, (low, peak, high))) / 3
+    near = float(value)
+    above = near if near > value else math.nextafter(near, math.inf)
+    below = near if near < value else math.nextafter(near, -math.inf)
+    assert not prove(rulebase, f"u >= {above!r}").proved
+    assert not prove(rulebase, f"u <= {below!r}").proved
+    assert prove(rulebase, f"u in {below!r} .. {above!r}").proved

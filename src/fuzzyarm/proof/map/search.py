@@ -216,7 +216,7 @@ class QuotientSearch:
                 quotients = problem.make(surface)
             except TimeOverError:
                 break
-            centre = as_fraction(surface.centre) if shifted else Fraction(0)
+            centre = surface.exact_centre if shifted else Fraction(0)
             limit = bound + centre if negated else bound - centre
             doubtful = self._doubtful(problem, surface, quotients)
             oriented = (quotients.negated() if negated else quotients).without(doubtful)

@@ -77,8 +77,10 @@ class Surface:
         The rule base.
     pieces : Pieces
         The pieces.
-    centre : number
+    exact_centre : Fraction
         The centre of the moments: the value is centre + M / A.
+    centre : number
+        The same in the arithmetic of the pieces, maybe rounded.
     reach : float
         Largest distance of the value from the centre.
     degree : int
@@ -90,14 +92,14 @@ class Surface:
         self.pieces = pieces
         self.arithmetic: Arithmetic = pieces.arithmetic
         self.dimension = pieces.corners.shape[2]
-        self.centre, self.reach = self._middle()
+        self.exact_centre, self.reach = self._middle()
+        self.centre = self.arithmetic.number(self.exact_centre)
         self.degree = self._degree()
 
-    def _middle(self) -> tuple[Any, float]:
-        number = self.arithmetic.number
+    def _middle(self) -> tuple[Fraction, float]:
         if self.model.form is not None:
             centre = Fraction(self.model.form.centre)
-            return number(centre), float(Fraction(self.model.high) - centre)
+            return centre, float(Fraction(self.model.high) - centre)
         far = [abs(float(value.constant)) for value in self.model.values]
         for value in self.model.values:
             for i, coefficient in enumerate(value.coefficients):
@@ -105,7 +107,7 @@ class Surface:
                 ends = max(abs(float(cells[0].left)), abs(float(cells[-1].right)))
                 far.append(far[0] + abs(float(coefficient)) * ends * len(self.model.values))
         total = sum(far) if self.model.is_sum else max(far) * (1 + self.dimension)
-        return number(Fraction(0)), max(total, 1e-300)
+        return Fraction(0), max(total, 1e-300)
 
     def _degree(self) -> int:
         if self.model.form is not None:
@@ -177,7 +179,7 @@ class Surface:
 
     def odd(self) -> Quotients:
         """Return the sum of the values at a point and at the opposite one."""
-        shift = self.centre + self.centre
+        shift = self.arithmetic.number(2 * self.exact_centre)
 
         def make(which: Array, points: Array) -> _Parts:
             one = self._sums(which, points, slopes=False)
@@ -192,7 +194,7 @@ class Surface:
     def apart(self, other: Straight) -> Quotients:
         """Return the value minus that of another rule base, the second system of the pieces."""
         second = Surface(other, self.pieces)
-        shift = self.centre - second.centre
+        shift = self.arithmetic.number(self.exact_centre - second.exact_centre)
 
         def make(which: Array, points: Array) -> _Parts:
             one = self._sums(which, points, slopes=False)
@@ -379,12 +381,12 @@ class Surface:
         It is if it is at all lattice points of the face: without a firing rule sums have no terms.
         The vertices alone are not enough, since products may be 0 there and not between them.
         """
-        zero = np.asarray(np.concatenate(values) == 0)
+        zero: Array = np.concatenate(values) == 0
         flat = np.zeros(zero.shape, dtype=bool)
         rows = np.flatnonzero(zero[:, list(vertices_of(self.dimension, degree))].any(axis=1))
         some, flat_there = zero[rows], flat[rows]
         for face in map(list, faces(self.dimension, degree) if rows.size else ()):
-            flat_there[:, face] |= some[:, face].all(axis=1)[:, None]
+            flat_there[:, face] |= np.all(some[:, face], axis=1, keepdims=True)
         flat[rows] = flat_there
         return flat
 
