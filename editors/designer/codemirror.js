@@ -1,5 +1,5 @@
 // What the designer's page uses of CodeMirror, as one module.
-export { Annotation, ChangeSet, Compartment, EditorState, StateEffect, StateField } from "@codemirror/state";
+export { Annotation, ChangeSet, Compartment, EditorState, MapMode, StateEffect, StateField } from "@codemirror/state";
 export {
   Decoration,
   EditorView,

@@ -1,5 +1,6 @@
 """A server, a browser and a page for tests of the designer."""
 
+import functools
 import logging
 
 import pytest
@@ -40,12 +41,20 @@ def served(tmp_path_factory):
     server.stop()
 
 
+def patient_context(new_context, **options):
+    """Open a context that waits as long as `until` does: a busy machine takes its time."""
+    found = new_context(**{"viewport": {"width": 1280, "height": 720}, **options})
+    found.set_default_timeout(60_000)
+    return found
+
+
 @pytest.fixture(scope="module")
 def browser():
     from test_designer_page import CHROMIUM, sync_api
 
     with sync_api.sync_playwright() as playwright:
         found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        found.new_context = functools.partial(patient_context, found.new_context)
         yield found
         found.close()
 
@@ -53,8 +62,7 @@ def browser():
 @pytest.fixture(scope="module")
 def shared_context(browser):
     """What the pages of a module are opened in: it has the modules of a page compiled."""
-    found = browser.new_context(viewport={"width": 1280, "height": 720})
-    found.set_default_timeout(60_000)
+    found = browser.new_context()
     yield found
     found.close()
 

@@ -128,7 +128,7 @@ def test_a_controller_is_drawn_and_its_blocks_lead_to_their_lines(served, page):
     page.keyboard.type("99")
     until(lambda: page.locator(".diagram .block", has_text="99 1/rad").count() == 1, "drawn")
     page.evaluate("designer.text.goTo([15, 0])")
-    page.keyboard.type("nonsense ")
+    page.keyboard.insert_text("nonsense ")  # one step
     until(lambda: page.locator(".area.stale").count() == 1, "the last sound one, pale")
     assert page.locator(".diagram .block", has_text="99 1/rad").is_visible()
     page.keyboard.press("Control+z")

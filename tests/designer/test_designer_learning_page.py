@@ -14,8 +14,7 @@ from tests.designer.test_designer_page import further, pytestmark, text_of, unti
 def view(browser, served):
     """Open a file and turn to a view of it; a fault in a page fails the test."""
     faults = []
-    context = browser.new_context(viewport={"width": 1280, "height": 720}, bypass_csp=False)
-    context.set_default_timeout(60_000)
+    context = browser.new_context()
 
     def turn(name, text, to):
         (served.folder / name).write_text(text)
@@ -54,17 +53,17 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):
     tune.get_by_role("button", name="Stop, keep the best").click()
     take = tune.get_by_role("button", name="Take it")
     until(take.is_enabled, "the report")
-    assert "better than the file" in tune.locator(".report").text_content()
+    tune.locator(".report").get_by_text("better than the file").first.wait_for()
     take.click()
     until(lambda: "# tuned: nelder-mead" in text_of(page), "the change")
     assert text_of(page).startswith("# typed meanwhile\n")
     assert "G_du = 0.4 " not in text_of(page)
     said = tune.locator("p.said").first
-    assert "The text has the new numbers" in said.inner_text()
+    until(lambda: "The text has the new numbers" in said.inner_text(), "taken")
     page.locator(".cm-content").focus()
     page.keyboard.press("Control+z")
     until(lambda: text_of(page) == typed, "one step back")
-    assert "the best is kept" in said.inner_text()
+    until(lambda: "the best is kept" in said.inner_text(), "it is said")
     page.keyboard.press("Control+y")
     until(lambda: "The text has the new numbers" in said.inner_text(), "taken again")
 

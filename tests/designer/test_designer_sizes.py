@@ -6,7 +6,7 @@ import subprocess
 import pytest
 from budget import part
 from needs import requires
-from test_designer_page import Served, further, put, until
+from test_designer_page import Served, becomes, box_of, further, put, until
 
 from fuzzyarm.apps.designer.assets import asset
 from fuzzyarm.base.shipped_files import shipped
@@ -83,12 +83,13 @@ def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, w
         page.bring_to_front()
         further(page, view)
         page.wait_for_timeout(500)
-        assert page.evaluate("document.documentElement.scrollWidth") <= width, view
-        assert page.evaluate(CUT) == [], view
+        wide = "document.documentElement.scrollWidth"
+        until(lambda page=page, wide=wide: page.evaluate(wide) <= width, f"{view} in the window")
+        becomes(lambda page=page, view=view: (view, page.evaluate(CUT)), (view, []))
     page = pages["pd7.frb"]
     page.bring_to_front()
     page.get_by_role("button", name="Help and keys").click()
-    box = page.locator("dialog.help").bounding_box()
+    box = box_of(page.locator("dialog.help"))
     assert box["x"] >= 0
     assert box["x"] + box["width"] <= width
     context.close()
@@ -109,7 +110,7 @@ def test_both_ends_of_a_strength_are_shown(served, narrow):
     strengths = page.locator(".rules-fired .degree")
     until(lambda: "0.00348 … 0.0" in "".join(strengths.all_text_contents()), "the rules")
     wide = "all => all.map((each) => each.scrollWidth - each.clientWidth)"
-    assert set(strengths.evaluate_all(wide)) == {0}
+    becomes(lambda: set(strengths.evaluate_all(wide)), {0})
 
 
 @requires("chromium")
@@ -181,16 +182,15 @@ IN_ONE_LINE = """() => [...document.querySelectorAll(".terms .head")].every((hea
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["pd7.frb", "tipper.frb"])
 def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, browser, file):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context = browser.new_context()
     page = opened(context, served, file)
     plots = page.locator(".terms .plots")
-    plots.locator("svg").nth(2).wait_for()
-    assert plots.locator("svg").count() == 3
+    becomes(plots.locator("svg").count, 3)
     until(lambda: plots.evaluate("e => e.scrollHeight <= e.clientHeight"), "three plots")
     plots.locator("text[data-term]").first.focus()  # the line of numbers takes room of its own
     page.locator(".terms .details strong").wait_for()
-    assert plots.evaluate("e => e.scrollHeight <= e.clientHeight")
-    assert page.evaluate(BROKEN) == []
+    until(lambda: plots.evaluate("e => e.scrollHeight <= e.clientHeight"), "and the line")
+    becomes(lambda: page.evaluate(BROKEN), [])
     for width in (1024, 390):
         page.set_viewport_size({"width": width, "height": 768})
         until(lambda: page.evaluate(IN_ONE_LINE), f"names and tools of variables at {width}")
@@ -200,50 +200,52 @@ def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, 
 @requires("chromium")
 @pytest.mark.slow
 def test_borders_are_dragged_moved_by_keys_and_remembered(served, browser):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context = browser.new_context()
     page = opened(context, served, "pd7.frb")
 
-    def wide(name):
-        return page.locator(f".{name}").first.bounding_box()
+    def size(name, side):
+        return box_of(page.locator(f".{name}").first)[side]
+
+    def is_wide(width):
+        becomes(lambda: size("text", "width"), pytest.approx(width, abs=2))
 
     border = page.locator("main > .split")
-    before, box = wide("text")["width"], border.bounding_box()
+    before, box = size("text", "width"), box_of(border)
     page.mouse.move(box["x"] + 4, box["y"] + 200)
     page.mouse.down()
     page.mouse.move(box["x"] + 124, box["y"] + 200, steps=4)
     page.mouse.up()
-    assert wide("text")["width"] == pytest.approx(before + 120, abs=2)
+    is_wide(before + 120)
     page.reload()
     page.get_by_text("no findings").first.wait_for()
-    assert wide("text")["width"] == pytest.approx(before + 120, abs=2)
+    is_wide(before + 120)
 
     rows = page.locator(".view-design > .split.rows")
-    height = wide("terms")["height"]
+    height = size("terms", "height")
     rows.focus()
     page.keyboard.press("ArrowUp")
     page.keyboard.press("PageUp")
-    assert wide("terms")["height"] < 0.8 * height
+    until(lambda: size("terms", "height") < 0.8 * height, "the border has moved")
     assert int(rows.get_attribute("aria-valuenow")) == 38
     page.locator("header select").select_option("tipper.frb")  # other files have the same borders
     until(lambda: page.title().startswith("tipper.frb"), "turned")
-    until(lambda: wide("terms") is not None, "its panes")
-    assert wide("terms")["height"] < 0.8 * height
+    until(lambda: size("terms", "height") < 0.8 * height, "its panes")
     rows = page.locator(".view-design > .split.rows")
     rows.focus()
     page.keyboard.press("Enter")
-    assert wide("terms")["height"] == pytest.approx(height, abs=2)
+    becomes(lambda: size("terms", "height"), pytest.approx(height, abs=2))
     page.locator("main > .split").dblclick()
-    assert wide("text")["width"] == pytest.approx(before, abs=2)
+    is_wide(before)
     page.reload()
     page.get_by_text("no findings").first.wait_for()
-    assert wide("text")["width"] == pytest.approx(before, abs=2)
+    is_wide(before)
     context.close()
 
 
 @requires("chromium")
 @pytest.mark.slow
 def test_help_opens_by_its_button_and_its_keys_but_is_typed_in_the_text(served, browser, tmp_path):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context = browser.new_context()
     page = opened(context, served, "pd7.frb")
     dialog = page.locator("dialog.help")
     for key in ("?", "F1"):
@@ -257,11 +259,13 @@ def test_help_opens_by_its_button_and_its_keys_but_is_typed_in_the_text(served, 
         until(lambda name=name: page.title().startswith(name), f"turned to {name}")
     page.locator("header [role=tab]").first.focus()
     page.keyboard.press("?")
+    dialog.first.wait_for()
     assert dialog.count() == 1
     page.keyboard.press("Escape")
+    becomes(dialog.count, 0)
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.press("?")
-    assert dialog.count() == 0
     assert page.evaluate("designer.text.view.state.doc.toString()").startswith("?")
+    assert dialog.count() == 0
     page.keyboard.press("Control+z")
     context.close()

@@ -4,6 +4,8 @@ import pytest
 from needs import requires
 from test_designer_page import put, text_of, until
 
+from fuzzyarm.base.files import write_atomically
+
 pytestmark = [
     requires("chromium"),
     pytest.mark.slow,
@@ -37,10 +39,10 @@ def test_opening_is_no_step_and_steps_of_a_hand_end_where_it_began(page, served)
     assert [each.is_enabled() for each in steps] == [True, False]
     page.wait_for_timeout(700)  # another step begins
     page.keyboard.type("# two\n")
-    back(page, 9)
+    back(page, 30)
     assert text_of(page) == path.read_text()
     assert [each.is_enabled() for each in steps] == [False, True]
-    forth(page, 9)
+    forth(page, 30)
     assert text_of(page) == "# one\n# two\n" + path.read_text()
 
 
@@ -50,11 +52,11 @@ def test_what_others_write_is_no_step_of_this_hand(page, served):
     page.keyboard.type("# mine\n")
     until(lambda: page.evaluate("designer.text.settled()"), "sent")
     theirs = path.read_text() + "# theirs\n"
-    path.write_text(theirs)
+    write_atomically(path, theirs)
     page.get_by_role("button", name="Keep both").click()
     until(lambda: "# theirs" in text_of(page), "merged")
     page.locator(".cm-content").focus()
-    back(page, 9)
+    back(page, 30)
     assert text_of(page) == theirs
 
 
@@ -74,9 +76,9 @@ def test_steps_outlive_the_server_and_what_has_changed_meanwhile_is_none(page, s
     until(lambda: "# theirs" in text_of(page), "merged with the file")
     page.locator(".cm-content").focus()
     assert page.evaluate("designer.text.view.state.selection.main.head") == cursor
-    back(page, 9)
+    back(page, 30)
     until(lambda: text_of(page) == before + "# theirs\n", "the steps of this hand")
-    forth(page, 9)
+    forth(page, 30)
     assert text_of(page) == "# mine\n# alone\n" + before + "# theirs\n"
 
 

@@ -195,7 +195,7 @@ def test_a_rule_base_from_nothing_to_c(page, tmp_path):
     # It is broken, which is said where it stands; then it is mended.
     typed(page, RULES.replace("speed is fast", "speed is fsat"))
     until(page, "!window.designer.store.sound")
-    assert "fsat" in page.text_content(".findings")
+    page.locator(".findings").get_by_text("fsat").first.wait_for()
     typed(page, RULES)
     until(page, "window.designer.store.sound")
 
@@ -340,7 +340,8 @@ def test_of_two_tabs_on_a_file_one_writes_and_no_text_is_lost(visitor, site):
     until(two, f"window.designer.text.state().text === {text!r}")
     two.click(".cm-content")
     two.keyboard.type("x")
-    assert text_of(two) == text == stored(two, "tipper.frb")
+    assert text_of(two) == text
+    until(two, f"localStorage.getItem('fuzzyarm playground: tipper.frb') === {text!r}")
     two.get_by_role("tab", name="Files").click()
     two.get_by_role("button", name="Delete tipper.frb").click()
     two.get_by_role("dialog").get_by_role("button", name="Delete").click()

@@ -162,6 +162,7 @@ export class Desk {
       },
       scene: (message) => {
         if (message.version !== this.text.version()) return;
+        this.text.drawn();
         this.store.findings = this.latest?.version === message.version ? this.latest.findings : [];
         if (message.scene) this.store.show(message.scene);
         if (message.diagram || message.why !== "mistakes") this.store.draw(message.diagram);

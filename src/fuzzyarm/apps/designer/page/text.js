@@ -9,6 +9,7 @@ import {
   StateField,
   Decoration,
   ChangeSet,
+  MapMode,
   keymap,
   lineNumbers,
   highlightActiveLine,
@@ -107,6 +108,8 @@ export class TextPane {
     this.list = el("ul", { class: "findings", "aria-label": S.findings });
     const host = el("div", { class: "editor" });
     this.epoch = "";
+    this.picture = null; // the text that is drawn, and its changes since
+    this.followed = new Set(); // pictures in which places are looked up
     this.findings = [];
     this.sending = false;
     let waiting = 0;
@@ -149,6 +152,7 @@ export class TextPane {
             this.undoing.disabled = update.state.readOnly || !undoDepth(update.state);
             this.redoing.disabled = update.state.readOnly || !redoDepth(update.state);
             if (update.docChanged) {
+              for (const each of this.followed) each.since = each.since.compose(update.changes);
               this.link.edited(this.view.state.doc.toString());
               clearTimeout(waiting);
               waiting = setTimeout(this.send, WAIT);
@@ -180,11 +184,11 @@ export class TextPane {
     if (isTyping && this.epoch && this.view.state.readOnly) this.link.say(S.follows);
   };
 
-  edit = async (what, details) => this.apply(await this.question(what, details), `input.${what}`);
+  edit = async (what, details) => this.apply(await this.ofPicture(what, details), `input.${what}`);
 
   /** Make an edit; what is wrong with it is in the answer. */
   attempt = async (what, details) => {
-    const answer = this.link.writes() ? await this.question(what, details) : { error: S.follows };
+    const answer = this.link.writes() ? await this.ofPicture(what, details) : { error: S.follows };
     if (!answer.error) this.apply(answer, `input.${what}`);
     return answer;
   };
@@ -280,13 +284,15 @@ export class TextPane {
     if (!follows) this.send();
   };
 
-  /** Ask something of the text as it is: what is typed first goes first. */
+  /** Ask something of the text as it is: what is typed first goes first. Details may be a function of that text. */
   question = async (what, details = {}) => {
     for (let tries = 0; tries < TRIES; tries++) {
       this.send();
       if (this.settled()) {
         const version = this.version();
-        const answer = await this.link.ask({ what, ...details });
+        const asked = typeof details === "function" ? details() : details;
+        if (!asked) return { error: S.changedMeanwhile };
+        const answer = await this.link.ask({ what, ...asked });
         if (
           answer.version === undefined ||
           (this.settled() && version === answer.version && this.version() === version)
@@ -296,6 +302,40 @@ export class TextPane {
       await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
     return { error: this.link.gone() };
+  };
+
+  // --- places of the picture, which is that of an older text while one types ---
+
+  /** The text of the server is drawn now. */
+  drawn = () => {
+    this.followed.delete(this.picture);
+    const { doc } = this.view.state;
+    this.picture = this.settled() ? { doc, since: ChangeSet.empty(doc.length) } : null;
+    if (this.picture) this.followed.add(this.picture);
+  };
+
+  /** Ask what names a cell or a line of the picture: it is meant where it stands in the text of now. */
+  ofPicture = async (what, details) => {
+    if (!details.cell && !details.line) return this.question(what, details);
+    if (!this.picture) return { error: S.changedMeanwhile };
+    const seen = { ...this.picture };
+    this.followed.add(seen);
+    const answer = await this.question(what, () => {
+      const place = this.placeNow(seen, details.cell ?? [details.line, 1]);
+      return place && { ...details, ...(details.cell ? { cell: place } : { line: place[0] }) };
+    });
+    this.followed.delete(seen);
+    return answer;
+  };
+
+  /** Line and column, from 1, of what stood there in a picture; null where it has gone. */
+  placeNow = ({ doc, since }, [line, column]) => {
+    const { from, text } = doc.line(Math.min(line, doc.lines));
+    const before = [...text].slice(0, column - 1).join("");
+    const at = since.mapPos(from + before.length, 1, MapMode.TrackDel);
+    if (at === null) return null;
+    const now = this.view.state.doc.lineAt(at);
+    return [now.number, [...now.text.slice(0, at - now.from)].length + 1];
   };
 
   /** Put the edits of an answer into the text: one step back undoes them. */
