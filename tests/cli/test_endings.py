@@ -5,9 +5,9 @@ import json
 import math
 import shutil
 import sys
-import time
 
 import pytest
+from stopped_clock import StoppedClock
 
 from fuzzyarm.apps.cli import command, main
 from fuzzyarm.apps.cli.command import Command, announced, busy, hush
@@ -96,16 +96,18 @@ def test_what_json_has_no_number_for_is_null(files, capsys):
 @pytest.fixture
 def slow(monkeypatch):
     """A command that works longer than it may be silent."""
-    monkeypatch.setattr(command, "SOON", 0.1)  # a busy machine reaches the work by then
+    monkeypatch.setattr(command, "SOON", 2.0)
+    clock = StoppedClock()
+    clock.put_into(command, monkeypatch)
 
     def run(arguments: argparse.Namespace) -> int:
         if "hush" in arguments.words:
             hush()
         if "stage" in arguments.words:
             with busy("drawing the surface"):
-                time.sleep(0.3)
+                clock.sleep(3)
         else:
-            time.sleep(0.3)
+            clock.sleep(3)
         return 1 if "fails" in arguments.words else 0
 
     record = Command("show", None, run, (command.argument("words", nargs="*"),))

@@ -6,11 +6,11 @@ For ``tune`` see ``tests/tuning/test_nothing_is_lost.py``.
 import errno
 import json
 import os
-import time
 from itertools import islice
 from pathlib import Path
 
 import pytest
+from stopped_clock import StoppedClock
 
 from fuzzyarm.apps.cli import command, main
 from fuzzyarm.apps.cli.command import announced, busy, progress_bar
@@ -21,36 +21,36 @@ from fuzzyarm.table import read_table
 
 
 @pytest.fixture
-def hasty(monkeypatch):
-    monkeypatch.setattr(command, "SOON", 0.02)
-    monkeypatch.setattr(command, "TOLD_EVERY", 0.1)
+def clock(monkeypatch):
+    """A clock by which work is named after 2 s, and says how far it is every 10 s."""
+    monkeypatch.setattr(command, "SOON", 2.0)
+    monkeypatch.setattr(command, "TOLD_EVERY", 10.0)
+    clock = StoppedClock()
+    clock.put_into(command, monkeypatch)
+    return clock
 
 
-def waited(seconds=0.08):
-    time.sleep(seconds)
-
-
-def test_what_takes_a_while_is_said_once(hasty, capsys):
+def test_what_takes_a_while_is_said_once(clock, capsys):
     with announced("tuning servo.frb"):
-        waited()
+        clock.sleep(8)
     assert capsys.readouterr().err == "fuzzyarm: tuning servo.frb\n"
     with announced("tuning servo.frb"):
-        pass
-    waited()
+        clock.sleep(1)
+    clock.sleep(8)
     with announced("tuning servo.frb", shown=False):
-        waited()
+        clock.sleep(8)
     assert capsys.readouterr().err == ""
 
 
-def test_long_work_says_now_and_then_how_far_it_is(hasty, capsys):
+def test_long_work_says_now_and_then_how_far_it_is(clock, capsys):
     with busy("fitting") as tell:
         tell("2 terms of e")  # too early for another word
-        waited(0.12)
+        clock.sleep(12)
         tell("2 terms of e, 2 of ce")
         tell("3 terms of e")
     assert capsys.readouterr().err == "fuzzyarm: fitting\nfuzzyarm: 2 terms of e, 2 of ce\n"
     with progress_bar("learning", 40) as advance:
-        waited(0.12)
+        clock.sleep(12)
         advance(10)
         advance(10)
     assert capsys.readouterr().err == "fuzzyarm: learning\nfuzzyarm: learning, 25 %\n"

@@ -11,6 +11,7 @@ from pytest_lsp import ClientServerConfig, LanguageClient, client_capabilities
 
 CONFIG = ClientServerConfig(server_command=[sys.executable, "-m", "fuzzyarm", "lsp"])
 PUBLISH = types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS
+PATIENCE = 120.0  # s: other tests run beside
 CHANGE = types.TextDocumentContentChangeWholeDocument
 
 
@@ -21,6 +22,19 @@ async def start(client: LanguageClient, encodings: list[str] | None = None) -> d
         capabilities.general = types.GeneralClientCapabilities(position_encodings=encodings)
     result = await client.initialize_session(types.InitializeParams(capabilities=capabilities))
     return {"capabilities": result.capabilities, "info": result.server_info}
+
+
+def published(client: LanguageClient) -> asyncio.Queue[Any]:
+    """Return what the server publishes, from the first call on; none of it is missed."""
+    if not hasattr(client, "published"):
+        client.published = asyncio.Queue()
+
+        def hear(params: Any) -> None:
+            client.published.put_nowait(params)
+            client.protocol.wait_for_notification(PUBLISH, hear)
+
+        client.protocol.wait_for_notification(PUBLISH, hear)
+    return client.published
 
 
 class File:
@@ -39,27 +53,24 @@ class File:
         file = cls(client, f"file:///rules/{cls.count}/{name}")
         language = "fuzzyarm-table" if name.endswith(".lut") else "fuzzyarm"
         item = types.TextDocumentItem(file.uri, language, 1, text)
-        waiting = asyncio.ensure_future(client.wait_for_notification(PUBLISH))
-        await asyncio.sleep(0)
+        published(client)
         client.text_document_did_open(types.DidOpenTextDocumentParams(item))
-        await file._arrived(waiting)
+        await file._arrived()
         return file
 
     async def change(self, *changes: Any) -> list[types.Diagnostic]:
         self.version += 1
-        waiting = asyncio.ensure_future(self.client.wait_for_notification(PUBLISH))
-        await asyncio.sleep(0)
+        published(self.client)
         identifier = types.VersionedTextDocumentIdentifier(self.version, self.uri)
         params = types.DidChangeTextDocumentParams(identifier, list(changes))
         self.client.text_document_did_change(params)
-        return await self._arrived(waiting)
+        return await self._arrived()
 
-    async def _arrived(self, waiting: Any) -> list[types.Diagnostic]:
+    async def _arrived(self) -> list[types.Diagnostic]:
         while True:
-            params = await asyncio.wait_for(waiting, 20)
+            params = await asyncio.wait_for(published(self.client).get(), PATIENCE)
             if params.uri == self.uri and params.version == self.version:
                 return list(params.diagnostics)
-            waiting = asyncio.ensure_future(self.client.wait_for_notification(PUBLISH))
 
     @property
     def found(self) -> list[types.Diagnostic]:

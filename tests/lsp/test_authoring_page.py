@@ -49,14 +49,14 @@ def test_the_configuration_of_neovim_works_as_written(tmp_path: Path) -> None:
     damaged = (ROOT / "rulebases" / "pd7.frb").read_text("utf-8").replace("PB\n  NM", "PX\n  NM")
     damaged = damaged.replace("ZE\n  NM", "ZX\n  NM")
     (tmp_path / "damaged.frb").write_text(damaged, "utf-8")
-    wait = "vim.wait(15000, function() return #vim.diagnostic.get(0) > 0 end)"
+    wait = "vim.wait(120000, function() return #vim.diagnostic.get(0) > 0 end)"
     say = "for _, d in ipairs(vim.diagnostic.get(0)) do print(d.message) end"
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["nvim", "--headless", "-u", "init.lua", "damaged.frb", "-c", f"lua {wait}",
          "-c", f"lua {say}", "-c", "qa!"],
         cwd=tmp_path, env={**os.environ, "PATH": path}, capture_output=True, text=True,
-        check=False, timeout=60,
+        check=False, timeout=300,
     )  # fmt: skip
     messages = [found.message for found in check_text(damaged).diagnostics]
     assert messages

@@ -49,7 +49,7 @@ def answers_to(*messages: bytes) -> dict[int | None, dict[str, Any]]:
         [sys.executable, "-m", "fuzzyarm", "lsp"],
         input=b"".join([*HELLO, *messages, *FAREWELL]),
         capture_output=True,
-        timeout=60,
+        timeout=300,
         check=False,
     )
     stream, found = done.stdout, {}
@@ -176,8 +176,12 @@ async def _edits(count: int) -> int:
                            "params": change})  # fmt: skip
         server.protocol.handle_message(json.loads(data, object_hook=structured))
         await asyncio.sleep(0.001)
-    await asyncio.sleep(0.1)
-    return (_objects() - start) // (count // 2)
+    for _ in range(600):  # what is under way ends
+        await asyncio.sleep(0.1)
+        left = (_objects() - start) // (count // 2)
+        if left <= 0:
+            break
+    return left
 
 
 def _objects() -> int:

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lsprotocol import types
 from pytest_lsp.client import make_test_lsp_client
+from server_client import PATIENCE
 
 from fuzzyarm.apps.lsp.session import characters, to_place, to_position, units
 from fuzzyarm.base.errors import MissingExtraError, demand_extra
@@ -74,18 +75,18 @@ async def test_the_server_answers_over_tcp() -> None:
         sys.executable, "-m", "fuzzyarm", "lsp", "--tcp", str(port), stderr=asyncio.subprocess.PIPE
     )
     assert process.stderr is not None
-    assert str(port).encode() in await asyncio.wait_for(process.stderr.readline(), 20)
+    assert str(port).encode() in await asyncio.wait_for(process.stderr.readline(), PATIENCE)
     client = make_test_lsp_client()
-    for _ in range(100):
+    for _ in range(1000):
         try:
             await client.start_tcp("127.0.0.1", port)
             break
         except OSError:
             await asyncio.sleep(0.1)
     params = types.InitializeParams(capabilities=types.ClientCapabilities())
-    greeting = await asyncio.wait_for(client.initialize_session(params), 20)
+    greeting = await asyncio.wait_for(client.initialize_session(params), PATIENCE)
     assert greeting.server_info is not None
     assert greeting.server_info.name == "fuzzyarm"
-    await asyncio.wait_for(client.shutdown_async(None), 20)
+    await asyncio.wait_for(client.shutdown_async(None), PATIENCE)
     client.exit(None)
-    assert await asyncio.wait_for(process.wait(), 20) == 0
+    assert await asyncio.wait_for(process.wait(), PATIENCE) == 0
