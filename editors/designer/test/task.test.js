@@ -59,6 +59,21 @@ test("what is dropped while it waits for the text does not begin", async () => {
   assert.equal(works.length, 0);
 });
 
+test("what is stopped while it waits for the text has its end", async () => {
+  let arrive;
+  const heard = [];
+  const { works, task } = held(() => new Promise((resolve) => (arrive = resolve)));
+  const begun = task.beginSettled(
+    () => ({}),
+    (news) => heard.push(news),
+  );
+  task.stop();
+  arrive(true);
+  await begun;
+  assert.equal(works.length, 0);
+  assert.deepEqual(heard, [{ end: "stopped" }]);
+});
+
 test("without a server it fails in words", async () => {
   const { works, task } = held(async () => false);
   const heard = [];

@@ -117,7 +117,7 @@ class LearnWork extends Work {
     return own ? S.learnsItself : S.learnsNot;
   }
 
-  mode = () => (this.task.job ? (this.news?.mode ?? "run") : "none");
+  mode = () => (this.task.isBegun ? (this.news?.mode ?? "run") : "none");
 
   canStart() {
     return Boolean(this.facts) || this.mode() === "run" || this.mode() === "pause";
@@ -135,7 +135,8 @@ class LearnWork extends Work {
   }
 
   halt() {
-    this.task.say({ go: "stop" });
+    if (this.task.job) this.task.say({ go: "stop" });
+    else this.task.stop();
   }
 
   train(step) {

@@ -174,14 +174,16 @@ class RunView {
     return { ...this.form.asked(), calm: this.calm.matches };
   };
 
-  start = () => {
+  start = async () => {
     if (this.state.job) {
       this.again();
       return;
     }
+    this.form.note(S.runStarting);
+    await this.hand.settled(); // what is typed runs
+    if (this.state.job) return; // two clicks
     this.state.over = false;
     this.state.sent = this.hand.text();
-    this.form.note(S.runStarting);
     this.state.job = this.hand.start("run", this.asked(), this.hear);
     this.form.running(this.state);
   };

@@ -11,6 +11,11 @@ export class Task {
     /** @type {Page.Job | null} */
     this.job = null;
     this.round = 0;
+    this.waits = null; // hears of what has not begun yet
+  }
+
+  get isBegun() {
+    return Boolean(this.job ?? this.waits);
   }
 
   /** Begin it; what went on before is stopped, and says no more. */
@@ -28,8 +33,10 @@ export class Task {
   async beginSettled(asked, hear) {
     this.drop();
     const mine = this.round;
+    this.waits = hear;
     const isThere = await this.hand.settled();
     if (mine !== this.round) return;
+    this.waits = null;
     if (isThere) this.begin(asked(), hear);
     else hear({ end: "failed", message: this.hand.gone() });
   }
@@ -40,7 +47,11 @@ export class Task {
 
   /** Stop it; its end is still heard. */
   stop() {
+    const hear = this.waits;
     this.job?.stop();
+    if (!hear) return;
+    this.drop();
+    hear({ end: "stopped" });
   }
 
   /** Stop it, and hear no more of it. */
@@ -48,5 +59,6 @@ export class Task {
     this.round++;
     this.job?.stop();
     this.job = null;
+    this.waits = null;
   }
 }

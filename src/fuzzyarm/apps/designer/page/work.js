@@ -97,7 +97,7 @@ export class Work extends Pane {
       this.place.replaceChildren(this.form.view);
     }
     this.fill(facts);
-    if (!this.task.job) this.told.textContent = clean(this.ready(facts));
+    if (!this.task.isBegun) this.told.textContent = clean(this.ready(facts));
     this.show();
   }
 
@@ -126,12 +126,16 @@ export class Work extends Pane {
     this.form.mark("");
     this.say(S.working);
     this.isOver = this.isEnding = false;
-    this.task.begin({ form: this.form.values(), ...further }, (news) => this.hear(news));
+    const form = this.form.values();
+    this.task.beginSettled(
+      () => ({ form, ...further }),
+      (news) => this.hear(news),
+    ); // what is typed counts
     this.show();
   }
 
   halt() {
-    if (!this.kind.isEnough) return this.task.stop();
+    if (!this.kind.isEnough || !this.task.job) return this.task.stop();
     this.task.say({ enough: true });
     this.isEnding = true;
     this.say(S.stopping);
