@@ -157,6 +157,22 @@ def by_parts():
     return verdict
 
 
+class PushedSpring(Hoist):
+    """The mass on a spring that pushes near 0 and pulls far out."""
+
+    name = "pushed"
+
+    def derivative(self, t, x, u, p):
+        return [x[1], (u[0] - p[1] + 0.9 * x[0] - 0.7 * x[0] * x[0] * x[0]) / p[0]]
+
+
+def test_an_interval_around_rest_that_only_grows_is_given_up():
+    # Each widening is about the cube of the one before, soon beyond every float.
+    claim = read_claim("stable with w in -0.3 .. 0.3", "pushed")
+    verdict = prove_loop(pd(1.5, 1.0), claim, plant=PushedSpring(), budget=1.0)
+    assert verdict.verdict != "refuted"
+
+
 def test_a_wide_interval_is_proved_in_parts_with_one_certificate(by_parts, tmp_path):
     low, high = by_parts.rests["x"]
     assert low <= -0.45 < 0.45 <= high

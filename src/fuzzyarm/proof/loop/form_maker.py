@@ -49,6 +49,9 @@ MOST_OPEN = 6
 WIDENINGS, WIDER = 16, 1.02
 """Widenings of the interval of a rest, and the factor of each."""
 
+FARTHEST = 1e100
+"""Radius of an interval of a rest beyond which it is not widened any more."""
+
 
 class FormMaker:
     """Builds forms of one loop, with a cache of proved bounds of its rule bases.
@@ -217,6 +220,8 @@ class FormMaker:
         for _ in range(WIDENINGS):
             box = {name: (x, self.doubt[name]) for name, x in self.rest.items()}
             found = rest_within(self.problem, Evidence(names, box, (), (), ONE, {}), surfaces)
+            if max(found.values()) > FARTHEST:
+                break
             wide = {n: max(least[n], Fraction(x * WIDER)) for n, x in found.items()}
             if all(x < self.doubt[name] for name, x in found.items()):
                 return
