@@ -12,7 +12,9 @@ from budget import cases
 
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.map import Prover, prove
+from fuzzyarm.proof.map import Prover, UnprovableError, prove
+from fuzzyarm.proof.map.arithmetic import rationals
+from fuzzyarm.proof.map.bernstein import MARGIN, from_values
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import Axis, LookupTable
 
@@ -164,3 +166,49 @@ def test_a_narrow_range_far_from_0_has_the_centre_that_it_has(seed: int) -> None
     assert not prove(rulebase, f"u >= {above!r}").proved
     assert not prove(rulebase, f"u <= {below!r}").proved
     assert prove(rulebase, f"u in {below!r} .. {above!r}").proved
+
+
+def test_a_set_narrower_than_areas_of_floats_has_no_bound_over_boxes() -> None:
+    """Its centroid is next to 0; its area in floats is 0, and their quotient was 0.5."""
+    rulebase = read(
+        "rulebase r\ninput x 0 .. 1\noutput u 0 .. 1\nterm x A: ramp 0 1\n"
+        "term u P: points (5e-324, 1) (1e-323, 0)\n"
+        "inference and hamacher\nrule if x is A and x is A then u is P\n"
+    )
+    with pytest.raises(UnprovableError, match="next to 0"):
+        Prover(rulebase, "u").value({"x": (0.5, 1.0)})
+
+
+@pytest.mark.parametrize(
+    ("dimension", "degree"), [(1, 4), (1, 8), (1, 12), (1, 24), (2, 8), (2, 11), (3, 6)]
+)
+def test_the_matrix_to_coefficients_is_off_by_less_than_a_margin(
+    dimension: int, degree: int
+) -> None:
+    ours = from_values(dimension, degree, exact=False)
+    exactly = from_values(dimension, degree, exact=True)
+    rational = np.vectorize(lambda x: rationals().number(Fraction(x)), otypes=[object])
+    off = np.abs(rational(ours) - exactly).astype(float).sum(axis=1).max()
+    assert off <= 0.25 * MARGIN * np.abs(ours).sum(axis=1).max()
+
+
+def test_a_value_beyond_the_range_by_rounding_alone_is_not_beyond() -> None:
+    """Both strengths are 1e-9 and equal, or the second is larger: u = (3 a - b) / (a + b) <= 1."""
+    draw = random.Random(1)
+    for _ in range(20):
+        a = [draw.random() for _ in range(2)]
+        b = [1 - x + 1e-9 * draw.uniform(0.5, 1) for x in a]
+        c = []
+        for x, y in zip(a, b, strict=True):
+            sum_ = Fraction(x) + Fraction(y) - 1
+            near = float(sum_)
+            c.append(near if near >= sum_ else math.nextafter(near, 1))
+        terms = zip("ABC", (a, b, c), strict=True)
+        rulebase = read(
+            "rulebase r\ninput x 0 .. 1\noutput u -1 .. 1\n"
+            + "".join(f"term x {n}: points (0, {p!r}) (1, {q!r})\n" for n, (p, q) in terms)
+            + "term u P: singleton 3\nterm u Q: singleton -1\ninference and bounded\n"
+            "inference u: defuzzifier weighted-average, outside error\n"
+            "rule if x is A and x is B then u is P\nrule if x is C then u is Q\n"
+        )
+        assert prove(rulebase, "u <= 1").proved

@@ -15,6 +15,7 @@ from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, plateaus
 from fuzzyarm.proof.map.arithmetic import Array
+from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.memberships import SLACK, Interval, hedged, joined, membership_bounder
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
@@ -27,6 +28,9 @@ LEVEL_PANELS = 800
 
 Strengths = Sequence[tuple[int, Interval]]
 """(member, bounds of its firing strength), rule by rule."""
+
+NARROWEST = 1e-150
+"""Least width of a panel whose area floats do not round to 0."""
 
 
 # ── strengths ────────────────────────────────────────────────────────────────────────
@@ -274,7 +278,10 @@ def panel_edges(output: OutputPlan, panels: int) -> list[float]:
     low, high = output.output.low, output.output.high
     ends = {x for member in output.members for piece in member.pieces for x in piece[:3:2]}
     even = {low + (high - low) * i / panels for i in range(panels + 1)}
-    return sorted({low, high, *ends, *even})
+    edges = sorted({low, high, *ends, *even})
+    if min(b - a for a, b in pairwise(edges)) < NARROWEST:
+        raise UnprovableError(f"two corners of sets of '{output.output.name}' are next to 0")
+    return edges
 
 
 def set_bounds(member: Member, panels: Sequence[tuple[float, float]], stop: Stop) -> Interval:

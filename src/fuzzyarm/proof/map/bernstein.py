@@ -37,6 +37,13 @@ from fuzzyarm.proof.stop import Stop, TimeOverError
 
 Index = tuple[int, ...]
 
+INVERTED_IN_FLOATS = 8
+"""Highest degree at which the matrix to coefficients is exact enough if it is inverted in floats:
+to a quarter of a margin for each value."""
+
+MOST_AT_ONCE = 500
+"""Largest matrix that is inverted in rationals without a look at the clock: half a second."""
+
 MARGIN = 3e-14
 """Error of floats relative to the sum of magnitudes: 130 roundings."""
 
@@ -133,14 +140,23 @@ def _found_from_values(dimension: int, degree: int, stop: Stop, *, exact: bool) 
     for at in indices:
         stop.check()
         matrix.append([basis(at, index) for index in indices])
-    if not exact:
+    if exact:
+        return _inverse(matrix, rationals(), stop)
+    if degree <= INVERTED_IN_FLOATS:
         return np.linalg.inv(np.array(matrix, dtype=float))
-    return _inverse(matrix, rationals(), stop)
+    return from_values(dimension, degree, exact=True, stop=stop).astype(float)
 
 
 def _inverse(matrix: list[list[Fraction]], arithmetic: Arithmetic, stop: Stop) -> Array:
     """Return the inverse by elimination; the pivots of a Bernstein matrix are not 0."""
     size = len(matrix)
+    if arithmetic.name == "flint" and size <= MOST_AT_ONCE:
+        from flint import fmpq_mat
+
+        stop.check()
+        whole = fmpq_mat(arithmetic.array(matrix).tolist()).inv()
+        rows: Array = np.array(whole.tolist(), dtype=object)
+        return rows
     unit = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
     work = arithmetic.array([[*a, *b] for a, b in zip(matrix, unit, strict=True)])
     for i in range(size):

@@ -245,13 +245,19 @@ class Prover(QuotientSearch):
     ) -> Claim:
         """Return whether the output (or its negative) is at most `bound`, below it if strict."""
         assert self.model is not None
-        return self.at_most(
+        claim = self.at_most(
             QuotientProblem(self.box(region), Surface.value),
             Fraction(bound),
             negated=negated,
             strict=strict,
             shifted=True,
         )
+        if claim.holds is False and not claim.exact:
+            value = self._concluded(claim.at)
+            if value is None or (-value if negated else value) <= bound:  # beyond by rounding alone
+                exact = self.in_rationals()
+                return exact.value_at_most(region, bound, negated=negated, strict=strict)
+        return claim
 
     def slope_at_most(
         self,

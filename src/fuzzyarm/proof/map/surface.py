@@ -361,7 +361,9 @@ class Surface:
             return Quotients(upper, lower, None, 0.0, corners, which, degree)
         flat = self._flat([part.lower for part in parts], degree)
         upper[flat] = lower[flat] = 0.0
+        # A quarter for the matrix, and a rounding for each product and sum.
         norm = float(np.abs(matrix).sum(axis=1).max())
+        norm *= 1.25 + len(points) * 2.0**-53 / MARGIN
         off_upper = norm * np.concatenate([part.upper_error for part in parts])
         off_lower = norm * np.concatenate([part.lower_error for part in parts])
         ratio = np.divide(off_upper, off_lower, out=np.zeros_like(off_upper), where=off_lower > 0)
