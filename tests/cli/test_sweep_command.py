@@ -176,7 +176,7 @@ def test_ctrl_c_leaves_a_file_that_is_completed(tmp_path):
             break
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60)
+    _, told = process.communicate(timeout=300)
     assert process.returncode == 130
     assert "--resume goes on" in told
     done = len(lines_of(file)) - 1

@@ -325,7 +325,8 @@ def test_a_false_claim_is_never_proved(loop, kind):
                 .replace("HIGH", repr(ends_[1])),
                 plant,
             )
-            verdict = prove_loop(text, claim, plant=find_plant(plant), budget=5.0)
+            budget = 60.0 if way == "true" else 5.0  # what is proved takes as long as it takes
+            verdict = prove_loop(text, claim, plant=find_plant(plant), budget=budget)
             assert verdict.proved is (way == "true"), (str(verdict), words)
             told[verdict.verdict] += 1
     assert told["refuted"]

@@ -464,7 +464,7 @@ def test_a_run_that_is_stopped_leaves_no_thread(open_page):
         page.until("samples")
         assert jobs()
         assert page.stop()["end"] == "stopped"
-        for _ in range(100):
+        for _ in range(3000):
             if not jobs():
                 break
             time.sleep(0.02)

@@ -28,7 +28,7 @@ def build(folder: Path, *words: str | Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def simulate(program: Path, seconds: float = 60.0) -> str:
+def simulate(program: Path, seconds: float = 300.0) -> str:
     """Run a program until it sleeps without interrupts; return what it said on its serial line."""
     words = ["simavr", "-m", "atmega328p", "-f", "16000000", str(program)]
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=seconds)

@@ -40,7 +40,7 @@ def run(folder, script, data=None):
     (folder / "run.mjs").write_text(script)
     words = ["node", str(folder / "run.mjs")]
     done = subprocess.run(
-        words, input=json.dumps(data), capture_output=True, text=True, timeout=60, check=False
+        words, input=json.dumps(data), capture_output=True, text=True, timeout=300, check=False
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
