@@ -289,6 +289,12 @@ def test_terms_without_a_finite_range_are_one_finding() -> None:
     assert finding.name == "bad-range"
 
 
+def test_a_swapped_range_is_one_finding_whatever_counts_on_it() -> None:
+    text = FAN.replace("0 .. 40", "40 .. 0") + "lookup\n  levels 0 .. 40 step 1\n"
+    (finding,) = parse(text).diagnostics
+    assert finding.name == "bad-range"
+
+
 TEXTS_OF_OTHERS = {
     "FUNCTION_BLOCK a\nVAR_INPUT\n t : REAL;\nEND_VAR\nFUZZIFY t\nEND_FUZZIFY\n": "FCL",
     "[System]\nName='a'\nType='mamdani'\n[Input1]\nName='x'\n": "a FIS of MATLAB",

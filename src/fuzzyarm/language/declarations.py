@@ -335,10 +335,10 @@ def _range_fault(low: float, high: float) -> str | None:
 
 
 def range_of(node: VariableNode) -> tuple[float, float]:
-    """Return the range of a variable; 0 to 1 where the file's is not one."""
+    """Return the range of a variable, swapped ends in order; 0 to 1 where the file's is not one."""
     if node.low is None or node.high is None:
         return 0.0, 1.0
-    low, high = float(node.low), float(node.high)
+    low, high = sorted((float(node.low), float(node.high)))
     if not low < high or _range_fault(low, high):
         return 0.0, 1.0
     return low, high
