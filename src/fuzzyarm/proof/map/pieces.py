@@ -11,7 +11,9 @@
    among its vertices.
 
 Then heights are affine, the area has at most degree 2 and the moment degree 3. All simplices are
-processed at once, rule by rule, in floats or in rationals.
+processed at once, rule by rule, in floats or in rationals. Floats may take the wrong one of two
+heights that differ by rounding: the value is off by as little, the slope by any amount, so that
+slopes need rationals.
 
 Source of the triangulation: H. W. Kuhn, *Some combinatorial lemmas in topology*, 1960.
 """
@@ -57,11 +59,6 @@ simplices where a height passes a level."""
 
 SAME = 4e-15
 """Largest difference of two heights (0 to 1) that floats take for equal."""
-
-
-COARSE = 2**12
-"""Floats are exact where weights, heights at the ends of a cell and shares of the cell are whole
-multiples of 1 / COARSE: a height then has 36 bits, the product that tests a new share 49."""
 
 
 class TooManyPiecesError(FuzzyarmError, ValueError):
@@ -131,8 +128,6 @@ class PieceGrid:
         another value there.
     rises : list of Array
         For each proposition: by how much its membership rises within each cell of its input.
-    coarse : list of ndarray of bool
-        For each input, the cells in which floats are exact, see :data:`COARSE`.
     """
 
     def __init__(self, model: Straight, region: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
@@ -167,17 +162,6 @@ class PieceGrid:
             arithmetic.array([right - left for left, right in zip(*ends, strict=True)])
             for ends in exact
         ]
-        self.coarse = self._coarse_cells(exact)
-
-    def _coarse_cells(self, exact: list[tuple[list[Fraction], list[Fraction]]]) -> list[Array]:
-        """Return, for each input, which cells have all ends on the coarse grid of heights."""
-        coarse = [np.ones(len(cells), dtype=bool) for cells in self.cells]
-        if self.arithmetic.exact:
-            return coarse
-        for i, ends in zip(self.inputs, exact, strict=True):
-            for heights in ends:
-                coarse[i] &= np.array([(x * COARSE).denominator == 1 for x in heights], dtype=bool)
-        return coarse
 
     def _cells_of(
         self,
@@ -272,24 +256,6 @@ class _Affine(NamedTuple):
     slopes: Array
 
 
-class _Comparison(NamedTuple):
-    """Two heights on some simplices, of which one counts."""
-
-    gap: Array  # their difference at the vertices
-    steep: Array  # whether their slopes differ by more than rounding; empty in rationals
-    coarse: bool = True  # whether floats are exact at vertices where they are for heights
-
-
-def _compared(first: _Affine, second: _Affine, arithmetic: Arithmetic) -> _Comparison:
-    gap = first.values - second.values
-    if arithmetic.exact:
-        return _Comparison(gap, np.zeros(0, dtype=bool))
-    # In shares of the cell: those of a thin cell are all small. Equal ones may differ by their
-    # rounding, for which quotients have room.
-    steepest = np.maximum(np.abs(first.slopes), np.abs(second.slopes))
-    return _Comparison(gap, any_of_rows(np.abs(first.slopes - second.slopes) > SAME * steepest))
-
-
 class Pieces:
     """Simplices on which every height is affine.
 
@@ -305,11 +271,6 @@ class Pieces:
         The heights of every column.
     slopes : ndarray, shape (pieces, inputs, columns)
         Of the heights, by cell coordinates.
-    doubtful : ndarray of bool
-        Pieces on which, or on a sliver of which, floats could not order two heights with
-        different slopes, or lost a slope to rounding.
-    sure : ndarray of bool, shape (pieces, vertices)
-        Vertices at which floats are exact, see :data:`COARSE`.
     count : int
         Number of pieces.
     """
@@ -343,18 +304,6 @@ class Pieces:
         self._corners = self._simplices(cells, orders)
         self._heights = arithmetic.zeros(self.count, dimension + 1, columns)
         self._slopes = arithmetic.zeros(self.count, dimension, columns)
-        adds = any(system.model.adds for system in self.systems) and not arithmetic.exact
-        # Magnitudes of the terms of sums of slopes.
-        self._terms = np.zeros((self.count, dimension, columns if adds else 0))
-        self._doubtful = np.zeros(self.count, dtype=bool)
-        self._zeros = np.zeros((self.count, dimension + 1), dtype=np.int64)
-        self._coarse_weights = all(
-            (rule.weight * COARSE).denominator == 1
-            for system in self.systems
-            for rule in system.model.rules
-        )
-        coarse = self._in_coarse_cells(np.arange(self.count))
-        self._sure = np.repeat(coarse[:, None], dimension + 1, axis=1)
 
     @property
     def cell(self) -> Array:
@@ -376,16 +325,6 @@ class Pieces:
         """The slopes of the heights, by cell coordinates."""
         return self._slopes[: self.count]
 
-    @property
-    def doubtful(self) -> Array:
-        """Pieces on which floats could not order two heights with different slopes."""
-        return self._doubtful[: self.count]
-
-    @property
-    def sure(self) -> Array:
-        """Vertices at which floats are exact."""
-        return self._sure[: self.count]
-
     def _demand_few(self, count: int) -> None:
         if count > self.most:
             raise TooManyPiecesError(count, self.most)
@@ -396,8 +335,7 @@ class Pieces:
         if count <= capacity:
             return
         more = min(max(count, 2 * capacity), self.most) - capacity
-        names = ("_cell", "_corners", "_heights", "_slopes", "_terms", "_doubtful", "_zeros")
-        for name in (*names, "_sure"):
+        for name in ("_cell", "_corners", "_heights", "_slopes"):
             array = getattr(self, name)
             grown = np.empty((capacity + more, *array.shape[1:]), dtype=array.dtype)
             grown[:capacity] = array
@@ -476,18 +414,18 @@ class Pieces:
         weight = self.arithmetic.number(rule.weight)
         shift, first, adds = system.shift, system.first, system.model.adds
 
-        def strength(which: Array, undecided: list[_Comparison]) -> _Affine:
+        def strength(which: Array, undecided: list[Array]) -> _Affine:
             truth = self._truth(rule.antecedent, which, shift, undecided)
             if rule.weight == 1:
                 return truth
             return _Affine(truth.values * weight, truth.slopes * weight)
 
-        def undecided_on(which: Array) -> list[_Comparison]:
-            undecided: list[_Comparison] = []
+        def undecided_on(which: Array) -> list[Array]:
+            undecided: list[Array] = []
             truth = strength(which, undecided)
             for column in () if adds else rule.columns:
                 so_far = self._height(first + column, which)
-                undecided.append(_compared(truth, so_far, self.arithmetic))
+                undecided.append(truth.values - so_far.values)
             return undecided
 
         which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
@@ -497,10 +435,6 @@ class Pieces:
             if adds:
                 self.heights[which, :, first + column] += truth.values
                 self.slopes[which, :, first + column] += truth.slopes
-                if not self.arithmetic.exact:
-                    self._terms[which, :, first + column] += np.abs(truth.slopes)
-                    total = self.slopes[which, :, first + column]
-                    self._note_cancelled(which, total, self._terms[which, :, first + column], 8.0)
                 continue
             so_far = self._height(first + column, which)
             highest = _chosen(so_far, truth, largest=True)
@@ -524,7 +458,7 @@ class Pieces:
         return np.asarray(together.reduce(parts))
 
     def _truth(
-        self, node: StraightAntecedent, which: Array, shift: int, undecided: list[_Comparison]
+        self, node: StraightAntecedent, which: Array, shift: int, undecided: list[Array]
     ) -> _Affine:
         """Return an antecedent on some pieces; collect undecided comparisons, innermost first."""
         dimension = self.corners.shape[2]
@@ -556,7 +490,7 @@ class Pieces:
         first: _Affine,
         second: _Affine,
         which: Array,
-        undecided: list[_Comparison],
+        undecided: list[Array],
     ) -> _Affine:
         """Return two operands under their norm; collect the comparison that decides."""
         if node.kind in {"bounded and", "bounded or"}:  # max(0, a + b − 1) and min(1, a + b)
@@ -565,23 +499,9 @@ class Pieces:
             shift_by = one - limit
             total = _Affine(first.values + second.values - shift_by, first.slopes + second.slopes)
             flat = _Affine(0 * total.values + limit, 0 * total.slopes)
-            if not self.arithmetic.exact:
-                terms = np.abs(first.slopes) + np.abs(second.slopes)
-                self._note_cancelled(which, total.slopes, terms, 1.0)
             first, second = total, flat
-        undecided.append(_compared(first, second, self.arithmetic))
+        undecided.append(first.values - second.values)
         return _chosen(first, second, largest=node.kind in {"max", "bounded and"})
-
-    def _in_coarse_cells(self, which: Array) -> Array:
-        """Return which pieces lie in cells where floats are exact."""
-        cells = self.cell[which]
-        coarse = [x[cells[:, i]] for i, x in enumerate(self.grid.coarse)]
-        return np.asarray(np.logical_and.reduce(coarse) & self._coarse_weights)
-
-    def _note_cancelled(self, which: Array, total: Array, terms: Array, most: float) -> None:
-        """Note pieces on which slopes cancel, so that the rounding of their terms counts."""
-        lost = any_of_rows(most * np.abs(total) < terms) & ~self._in_coarse_cells(which)
-        self.doubtful[which[lost]] = True
 
     def _cut_at_layers(self, form: ClosedForm, first: int) -> None:
         """Cut where a height passes a level at which the aggregate changes form."""
@@ -590,7 +510,7 @@ class Pieces:
 
             def own_levels(ids: Array, index: int = index, levels: Any = levels) -> Any:
                 height = self._height(first + index, ids)
-                return [self._at_level(height, level) for level in levels]
+                return [height.values - self._level(level) for level in levels]
 
             self._refine(np.flatnonzero(self.rises(first + index)), own_levels)
         for overlap in form.overlaps:
@@ -603,12 +523,12 @@ class Pieces:
                 above = self._height(first + overlap.others[0], ids)
                 for other in overlap.others[1:]:
                     height = self._height(first + other, ids)
-                    undecided.append(_compared(above, height, self.arithmetic))
+                    undecided.append(above.values - height.values)
                     above = _chosen(above, height, largest=True)
                 own = self._height(first + overlap.member, ids)
-                undecided.append(_compared(own, above, self.arithmetic))
+                undecided.append(own.values - above.values)
                 lower = _chosen(own, above, largest=False)
-                return [*undecided, *(self._at_level(lower, level) for level in levels)]
+                return [*undecided, *(lower.values - self._level(level) for level in levels)]
 
             self._refine(which, undecided_on)
 
@@ -619,11 +539,6 @@ class Pieces:
             return some
         # Floats round 1 − x to 0 where x is next to 1.
         return np.asarray(some | any_of_rows(self.slopes[which, :, column] != 0))
-
-    def _at_level(self, height: _Affine, level: Fraction) -> _Comparison:
-        flat = _Affine(0 * height.values + self._level(level), 0 * height.slopes)
-        comparison = _compared(height, flat, self.arithmetic)
-        return comparison._replace(coarse=(level * COARSE).denominator == 1)
 
     def _level(self, level: Fraction) -> Any:
         """Return a level; of one that is no float the next one, so that no height is just there."""
@@ -650,55 +565,29 @@ class Pieces:
 
     def cut_at_form(self, weights: Sequence[Fraction]) -> None:
         """Cut where a sum of the inputs is 0; in rationals only."""
-        nothing = np.zeros(0, dtype=bool)
         self._refine(
-            np.arange(self.count),
-            lambda ids: [_Comparison(self.form_at(weights, ids, self.corners[ids]), nothing)],
+            np.arange(self.count), lambda ids: [self.form_at(weights, ids, self.corners[ids])]
         )
 
-    def _refine(self, which: Array, undecided_on: Callable[[Array], list[_Comparison]]) -> Array:
+    def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
         """Cut pieces until no difference has both signs on one; return all pieces."""
         parts: list[Array] = []
-        self._zeros[: self.count] = 0
         while which.size:
             self.stop.check(self.count)
             # The first mixed difference is cut first: later ones are affine only once it is
             # decided.
-            comparisons = undecided_on(which)
-            if not self.arithmetic.exact:
-                comparisons = [self._cleared(x, which, k) for k, x in enumerate(comparisons)]
+            gaps = undecided_on(which)
             cuts = np.full(len(which), -1)
-            for number, each in enumerate(comparisons):
-                cuts = np.where((cuts < 0) & self._is_mixed(each.gap), number, cuts)
+            for number, gap in enumerate(gaps):
+                cuts = np.where((cuts < 0) & self._is_mixed(gap), number, cuts)
             parts.append(which[cuts < 0])
-            for number, each in enumerate(() if self.arithmetic.exact else comparisons):
-                self._note_slivers(which, each, number, cuts < 0)
             following = [
-                self._split(which[selection], each.gap[selection], number, coarse=each.coarse)
-                for number, each in enumerate(comparisons)
+                self._split(which[selection], gap[selection])
+                for number, gap in enumerate(gaps)
                 if (selection := np.flatnonzero(cuts == number)).size
             ]
             which = np.concatenate(following) if following else np.zeros(0, dtype=int)
         return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
-
-    def _cleared(self, comparison: _Comparison, which: Array, number: int) -> _Comparison:
-        """Return a difference without the rounding at vertices that were cut where it is 0."""
-        cut_here = self._zeros[which] & _bit(number)
-        return comparison._replace(gap=np.where(cut_here, 0.0, comparison.gap))
-
-    def _note_slivers(
-        self, which: Array, comparison: _Comparison, number: int, decided: Array
-    ) -> None:
-        """Note decided pieces of which a sliver may have the other height, with another slope.
-
-        The sign of a difference at a vertex is unknown if it is next to 0 there, unless the vertex
-        was cut where it is 0 (the sibling has the other height), or floats are exact there.
-        """
-        known = (self._zeros[which] & _bit(number)) != 0
-        if comparison.coarse:
-            known |= self._sure[which]
-        unknown = any_of_rows((np.abs(comparison.gap) <= SAME) & ~known)
-        self.doubtful[which[unknown & comparison.steep & decided]] = True
 
     def _is_mixed(self, gap: Array) -> Array:
         low, high = least_of_rows(gap), greatest_of_rows(gap)
@@ -706,32 +595,21 @@ class Pieces:
             return np.asarray((low < 0) & (high > 0))
         return np.asarray((low < -SAME) & (high > SAME))
 
-    def _split(self, which: Array, gap: Array, number: int, *, coarse: bool) -> Array:
+    def _split(self, which: Array, gap: Array) -> Array:
         """Cut each piece in two where a difference is 0 on one of its edges."""
         rows = np.arange(len(which))
         above, below = gap.argmax(axis=1), gap.argmin(axis=1)
-        span = gap[rows, above] - gap[rows, below]
-        share = gap[rows, above] / span
+        share = gap[rows, above] / (gap[rows, above] - gap[rows, below])
         start, end = self.count, self.count + len(which)
         self._reserve(end)
         self.count = end
-        middles = []
         for values in (self._corners, self._heights):
             a, b = values[which, above], values[which, below]
             # The new vertex replaces `below` in the new piece, `above` in the old one.
-            middles.append(a + share[:, None] * (b - a))
-            values[start:end] = values[which]
-            values[start + rows, below] = values[which, above] = middles[-1]
-        zeros, sure = self._zeros, self._sure
-        both = zeros[which, above] & zeros[which, below] | _bit(number)
-        is_sure = sure[which, above] & sure[which, below] & coarse
-        if not self.arithmetic.exact:
-            is_sure &= _is_coarse(share) & (share * span == gap[rows, above])
-            is_sure &= _is_coarse(middles[0]).all(axis=1)
-        for values, middle in ((zeros, both), (sure, is_sure)):
+            middle = a + share[:, None] * (b - a)
             values[start:end] = values[which]
             values[start + rows, below] = values[which, above] = middle
-        for inherited in (self._cell, self._slopes, self._terms, self._doubtful):
+        for inherited in (self._cell, self._slopes):
             inherited[start:end] = inherited[which]
         return np.concatenate([which, np.arange(start, end)])
 
@@ -741,16 +619,6 @@ def _chosen(first: _Affine, second: _Affine, *, largest: bool) -> _Affine:
     values = (np.maximum if largest else np.minimum)(first.values, second.values)
     takes_first = (sums_of_rows(first.values - second.values) >= 0) == largest
     return _Affine(values, np.where(takes_first[:, None], first.slopes, second.slopes))
-
-
-def _is_coarse(shares: Array) -> Array:
-    scaled = shares * COARSE
-    return np.asarray(scaled == np.rint(scaled))
-
-
-def _bit(number: int) -> int:
-    """Return the bit of a difference; none after the first 62."""
-    return 1 << number if number < 62 else 0
 
 
 def _inner_levels(layers: Layers) -> list[Fraction]:

@@ -32,7 +32,7 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.map.arithmetic import FLOATS, as_fraction, rationals
+from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients
 from fuzzyarm.proof.map.bounds import Bounds, Claim, Missing, NothingFiresError, UnprovableError
 from fuzzyarm.proof.map.pieces import Cut, cut
@@ -330,7 +330,7 @@ class Prover(QuotientSearch):
         if self.model is None:
             return self._boxes(box).point_without_rule(valued=valued)
         problem = QuotientProblem(box, Surface.value)
-        surface = self.surface(problem, rationals() if self.exact else FLOATS)
+        surface = self.surface(problem, self.first_arithmetic(problem))
         if not self.exact:
             doubtful_cells = surface.nearly_without_rule(valued=valued)
             if not doubtful_cells.size:
@@ -471,7 +471,7 @@ class Prover(QuotientSearch):
             raise UnprovableError(f"proofs of {kind} need straight pieces: {self.reason}")
 
     def _demand_no_jumps(self, problem: QuotientProblem, axis: int) -> None:
-        surface = self.surface(problem, rationals() if self.exact else FLOATS)
+        surface = self.surface(problem, self.first_arithmetic(problem))
         if surface.pieces.grid.jumps[axis]:
             raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
         low, high = problem.box[axis]

@@ -52,7 +52,8 @@ Box = tuple[tuple[Fraction, Fraction], ...]
 class QuotientProblem:
     """A quotient over a box, and the cuts of the inputs that it needs.
 
-    `steep`: for slopes, which floats cannot compute where they cannot order two heights.
+    `steep`: for slopes, always in rationals: floats may take the wrong one of two heights that
+    differ by rounding, with any other slope.
     `steps`: as in :class:`Cut`.
     """
 
@@ -121,12 +122,12 @@ class QuotientSearch:
         share: float = 1.0,
     ) -> Bounds:
         """Return both bounds of a quotient, to the tolerance; in rationals where floats fail."""
-        arithmetic = rationals() if self.exact else FLOATS
+        arithmetic = self.first_arithmetic(problem)
         surface = self.surface(problem, arithmetic)
         gap = arithmetic.number(Fraction(self.gap * share))
         quotients = problem.make(surface)
         shift = surface.centre if shifted else arithmetic.number(Fraction(0))
-        doubtful = self._doubtful(problem, surface, quotients)
+        doubtful = surface.unsure(quotients)
         searched = {
             sign: maximise(
                 (quotients if sign == 1 else quotients.negated()).without(doubtful), gap, self.stop
@@ -136,14 +137,14 @@ class QuotientSearch:
         owners = [search.left.owner for search in searched.values()]
         undecided = np.concatenate([*owners, np.flatnonzero(doubtful)])
         if any(search.reached is None for search in searched.values()):
-            if self.exact or not undecided.size:
+            if arithmetic.exact or not undecided.size:
                 raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
             rational = self.in_rationals()
             return rational.bounds_of(problem, shifted=shifted, both=both, share=share)
         # Cells that floats leave open are cut once in rationals, for both bounds.
         exact = (
             self._in_rationals(problem, surface, undecided)
-            if undecided.size and not self.exact
+            if undecided.size and not arithmetic.exact
             else None
         )
         pieces, complete, ends = 0, True, []
@@ -164,7 +165,7 @@ class QuotientSearch:
                 bound = math.inf
             complete &= nearest_float(bound) <= nearest_float(reached) + 2.0 * float(gap)
             ends.append((sign, reached, bound, at))
-        return self._as_bounds(ends, shift, pieces, complete=complete)
+        return self._as_bounds(ends, shift, pieces, complete=complete, exact=arithmetic.exact)
 
     def without_memory(self) -> Self:
         """Return the same search with its own pieces, freed together with it."""
@@ -210,7 +211,7 @@ class QuotientSearch:
         """Return whether a quotient (or minus the quotient) is at most a bound everywhere."""
         count = 0
         cells: Array | None = None
-        for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
+        for arithmetic in dict.fromkeys((self.first_arithmetic(problem), rationals())):
             try:
                 surface = self.surface(problem, arithmetic, cells)
                 quotients = problem.make(surface)
@@ -218,7 +219,7 @@ class QuotientSearch:
                 break
             centre = surface.exact_centre if shifted else Fraction(0)
             limit = bound + centre if negated else bound - centre
-            doubtful = self._doubtful(problem, surface, quotients)
+            doubtful = surface.unsure(quotients)
             oriented = (quotients.negated() if negated else quotients).without(doubtful)
             margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
             least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
@@ -234,6 +235,10 @@ class QuotientSearch:
             count += extremum.pieces
             fails = extremum.owner >= 0 and (extremum.reached > least or touch)
             if fails:
+                if problem.steep:  # the worst point is the better evidence
+                    gap = arithmetic.number(Fraction(self.gap))
+                    worst = maximise(oriented, gap, self.stop, least=extremum.reached)
+                    extremum = extremum if worst.corner is None else worst
                 corner = extremum.corner
                 assert corner is not None
                 if problem.steep:  # a slope has two sides: move inside the piece
@@ -253,19 +258,13 @@ class QuotientSearch:
             cells = np.unique(surface.pieces.flat_cells[owners])
         return Claim(None, {}, count, False)
 
-    @staticmethod
-    def _doubtful(problem: QuotientProblem, surface: Surface, quotients: Quotients) -> Array:
-        """Return the pieces for which floats are no evidence."""
-        unsure = surface.unsure(quotients)
-        return unsure | surface.pieces.doubtful if problem.steep else unsure
-
     def _as_bounds(
         self, ends: list[tuple[int, Any, Any, dict[str, Fraction]]], shift: Any, pieces: int, *,
-        complete: bool,
+        complete: bool, exact: bool,
     ) -> Bounds:  # fmt: skip
         bounds: dict[int, tuple[float, float, Point]] = {}
         for sign, reached, bound, at in ends:
-            if self.exact:
+            if exact:
                 outer = sign * math.inf  # time ran out before any bound
                 if math.isfinite(nearest_float(bound)):
                     outer = _outward(as_fraction(bound) * sign + as_fraction(shift), sign)
@@ -277,8 +276,12 @@ class QuotientSearch:
             bounds[sign] = outer, inner, {name: float(x) for name, x in at.items()}
         low, reached_low, at_low = bounds.get(-1, (-math.inf, math.nan, {}))
         most, reached_high, at_high = bounds[1]
-        way = "exact" if self.exact else "widened"
+        way = "exact" if exact else "widened"
         return Bounds(low, most, reached_low, reached_high, at_low, at_high, pieces, way, complete)
+
+    def first_arithmetic(self, problem: QuotientProblem) -> Arithmetic:
+        """Return floats, if they may decide a problem: slopes they cannot."""
+        return rationals() if self.exact or problem.steep else FLOATS
 
     # ── cached surfaces ──────────────────────────────────────────────────────────────
 

@@ -34,7 +34,6 @@ from fuzzyarm.proof.map.bernstein import (
     MARGIN,
     Quotients,
     barycentric,
-    faces,
     from_values,
     vertices_of,
 )
@@ -57,7 +56,7 @@ _CHUNK, _CHUNK_OF_RATIONALS = 4_000_000, 40_000
 class _Sums(NamedTuple):
     """Area and moment at the lattice of some pieces, with slopes by cell coordinates.
 
-    `size` is the sum of the magnitudes of all terms of the area; `steep` the same for its slopes.
+    `size` is the sum of the magnitudes of all terms of the area, 0 in rationals.
     """
 
     area: Array
@@ -65,7 +64,6 @@ class _Sums(NamedTuple):
     size: Array
     area_slopes: Array | None
     moment_slopes: Array | None
-    steep: Array
 
 
 class Surface:
@@ -137,41 +135,30 @@ class Surface:
         return self._quotients(self.degree, make)
 
     def slope(self, axis: int) -> Quotients:
-        """Return the slope along an input, in units of output by units of input."""
+        """Return the slope along an input, output by input; in rationals only."""
         width = self.pieces.widths(axis)
 
         def make(which: Array, points: Array) -> _Parts:
             sums = self._sums(which, points, slopes=True)
-            upper, lower = self._slope(sums, axis), sums.area * sums.area
-            wide = width[which]
-            size, steep = MARGIN * sums.size, sums.steep
-            # Two products with errors in both factors: |M′| ≤ steep · reach times the error `size`
-            # of A, and the error of M′ times A. The error of A² is 2 A times that of A.
-            error = 4.0 * size * steep * self.reach
-            return _Parts(
-                upper, lower * wide[:, None], error, 2.0 * size * sums.size * wide.astype(float)
-            )
+            lower = sums.area * sums.area * width[which][:, None]
+            return _Parts(self._slope(sums, axis), lower)
 
         some = np.flatnonzero(width > 0)
         # For sets M′ and A have degree 2: M′A and MA′ have 4, not 6.
         return self._quotients(2 * self.degree - (self.model.form is not None) * 2, make, some)
 
     def gradient_squared(self) -> Quotients:
-        """Return the squared norm of the gradient."""
+        """Return the squared norm of the gradient; in rationals only."""
         widths = [self.pieces.widths(axis) for axis in range(self.dimension)]
 
         def make(which: Array, points: Array) -> _Parts:
             sums = self._sums(which, points, slopes=True)
-            upper, size, steep = None, MARGIN * sums.size, 0.0
+            upper = None
             for axis, width in enumerate(widths):
                 part = self._slope(sums, axis) / width[which][:, None]
                 upper = part * part if upper is None else upper + part * part
-                steep = steep + sums.steep / width[which].astype(float)
             square = sums.area * sums.area
-            # The error of x² is 2 |x| δ, here |x| ≤ 2 A steep reach and δ as in `slope`; that of A⁴
-            # is 4 A³ δ.
-            error = 16.0 * size * sums.size * (steep * self.reach) ** 2
-            return _Parts(upper, square * square, error, 4.0 * size * sums.size**3)
+            return _Parts(upper, square * square)
 
         some = np.flatnonzero(np.logical_and.reduce([width > 0 for width in widths]))
         degree = 2 * (2 * self.degree - (self.model.form is not None) * 2)
@@ -236,8 +223,7 @@ class Surface:
             form = self.pieces.form_at(weights, which, shares)
             sign = np.where(form.sum(axis=1) < 0, -one, one)[:, None]
             value = sums.moment + self.centre * sums.area
-            size = MARGIN * sums.size
-            return _Parts(sign * value + shift * sums.area, sign * form * sums.area, size, size)
+            return _Parts(sign * value + shift * sums.area, sign * form * sums.area)
 
         # For sets σA has the degree of M, one more than that of A.
         return self._quotients(self.degree + (self.model.form is None), make)
@@ -301,13 +287,7 @@ class Surface:
         finite &= np.isfinite(quotients.error)
         unsure[quotients.owner[tiny | ~finite.all(axis=1)]] = True
         ends = list(vertices_of(self.dimension, quotients.degree))
-        zero = quotients.lower[:, ends] == 0
-        rows = np.flatnonzero(zero.any(axis=1))
-        if not rows.size:
-            return unsure
-        owner = quotients.owner[rows]
-        sure = self.pieces.sure[owner] & (self._fired(valued=True)[owner] == 0)
-        unsure[owner[(zero[rows] & ~sure).any(axis=1)]] = True
+        unsure[quotients.owner[(quotients.lower[:, ends] == 0).any(axis=1)]] = True
         return unsure
 
     def _fired(self, *, valued: bool) -> Array:
@@ -359,8 +339,6 @@ class Surface:
         corners = self.pieces.corners[which]
         if exact:
             return Quotients(upper, lower, None, 0.0, corners, which, degree)
-        flat = self._flat([part.lower for part in parts], degree)
-        upper[flat] = lower[flat] = 0.0
         # A quarter for the matrix, and a rounding for each product and sum.
         norm = float(np.abs(matrix).sum(axis=1).max())
         norm *= 1.25 + len(points) * 2.0**-53 / MARGIN
@@ -374,23 +352,7 @@ class Surface:
         )
         error = np.maximum(off_lower, off_upper / reach)
         errors = np.repeat(error[:, None], lower.shape[1], axis=1)
-        errors[flat] = 0.0
         return Quotients(upper, lower, errors, reach, corners, which, degree)
-
-    def _flat(self, values: Sequence[Array], degree: int) -> Array:
-        """Return the coefficients on faces on which a denominator is exactly 0.
-
-        It is if it is at all lattice points of the face: without a firing rule sums have no terms.
-        The vertices alone are not enough, since products may be 0 there and not between them.
-        """
-        zero: Array = np.concatenate(values) == 0
-        flat = np.zeros(zero.shape, dtype=bool)
-        rows = np.flatnonzero(zero[:, list(vertices_of(self.dimension, degree))].any(axis=1))
-        some, flat_there = zero[rows], flat[rows]
-        for face in map(list, faces(self.dimension, degree) if rows.size else ()):
-            flat_there[:, face] |= np.all(some[:, face], axis=1, keepdims=True)
-        flat[rows] = flat_there
-        return flat
 
     @staticmethod
     def _slope(sums: _Sums, axis: int) -> Array:
@@ -467,23 +429,16 @@ class Surface:
         return self._known_layers[key]
 
     def _add_numbers(self, sums: _Sum, which: Array, points: Array, system: int) -> None:
-        number, exact = self.arithmetic.number, self.arithmetic.exact
-        for column, rows, height, slope, steep in self._strengths(which, points, system):
+        number = self.arithmetic.number
+        for column, rows, height, slope in self._strengths(which, points, system):
             area = number(self.model.areas[column])
             value, value_slopes = self._value(column, which[rows], points)
-            size = steep
-            if slope is not None and not exact and any(self.model.values[column].coefficients):
-                # The slope of a moment has heights times slopes of values as well.
-                own = greatest_of_rows(np.abs(slope).sum(axis=2)) if steep is None else steep
-                more = np.abs(value_slopes).sum(axis=1) / self.reach
-                size = own + more * greatest_of_rows(np.abs(height))
             sums.add(
                 rows, height * area, height * area * value,
                 None if slope is None else slope * area,
                 None if slope is None else area * (slope * value[:, :, None]
                 + height[:, :, None] * value_slopes[:, None, :]),
                 float(area),
-                None if size is None else size * abs(float(area)),
             )  # fmt: skip
         if self.model.is_sum:
             sums.set_area_to_one()
@@ -510,8 +465,8 @@ class Surface:
 
     def _strengths(
         self, which: Array, points: Array, system: int
-    ) -> Iterator[tuple[int, Array, Array, Array | None, Array | None]]:
-        """Yield (column, rows, heights at the lattice, slopes there, magnitudes of their terms)."""
+    ) -> Iterator[tuple[int, Array, Array, Array]]:
+        """Yield (column, rows, heights at the lattice, slopes there)."""
         if self.model.multiplies:
             yield from self._products(which, points, system)
             return
@@ -520,11 +475,11 @@ class Surface:
             rows = np.flatnonzero(self.pieces.rises(first + column, which))
             if rows.size:
                 height, slope = self._heights(which[rows], points, first + column)
-                yield column, rows, height, slope[:, None, :], None
+                yield column, rows, height, slope[:, None, :]
 
     def _products(
         self, which: Array, points: Array, system: int = 0
-    ) -> Iterator[tuple[int, Array, Array, Array, Array | None]]:
+    ) -> Iterator[tuple[int, Array, Array, Array]]:
         """Yield the same for products of memberships, rule by rule."""
         shift = self.pieces.systems[system].shift
         for rule in self.model.rules:
@@ -535,20 +490,8 @@ class Surface:
             shares = np.matmul(points, self.pieces.corners[which[rows]])
             height, slope = self._product(rule.antecedent, which[rows], shares, shift)
             weight = self.arithmetic.number(rule.weight)
-            steep = None
-            if not self.arithmetic.exact:
-                steep = abs(float(weight)) * self._rises(rule.antecedent, which[rows], shift)
             for column in rule.columns:
-                yield column, rows, height * weight, slope * weight, steep
-
-    def _rises(self, node: StraightAntecedent, which: Array, shift: int) -> Array:
-        """Return the sum of the slopes of the factors of a product, without signs."""
-        if node.kind == "is":
-            number = node.proposition + shift
-            cells = self.pieces.cell[which, self.pieces.grid.inputs[number]]
-            return np.asarray(np.abs(self.pieces.grid.rises[number][cells]))
-        parts = [self._rises(operand, which, shift) for operand in node.operands]
-        return np.asarray(np.sum([np.zeros(len(which)), *parts], axis=0))
+                yield column, rows, height * weight, slope * weight
 
     def _product(
         self, node: StraightAntecedent, which: Array, shares: Array, shift: int
@@ -577,12 +520,12 @@ class _Parts(NamedTuple):
 
     upper: Any
     lower: Array
-    upper_error: Array
-    lower_error: Array
+    upper_error: Any = None
+    lower_error: Any = None
 
 
 class _Sum:
-    """Sums of area and moment, their slopes, and the magnitudes of the terms."""
+    """Sums of area and moment, their slopes, and the magnitudes of the terms of the area."""
 
     def __init__(
         self, arithmetic: Arithmetic, pieces: int, points: int, dimension: int, *, slopes: bool
@@ -590,7 +533,6 @@ class _Sum:
         self.area = arithmetic.zeros(pieces, points)
         self.moment = arithmetic.zeros(pieces, points)
         self.size = np.zeros(pieces)
-        self.steep = np.zeros(pieces)
         self.exact = arithmetic.exact
         shape = (pieces, points, dimension)
         self.area_slopes = arithmetic.zeros(*shape) if slopes else None
@@ -605,12 +547,8 @@ class _Sum:
         area_slopes: Any,
         moment_slopes: Any,
         whole: float,
-        steep: Array | None = None,
     ) -> None:
-        """Add to some rows; `whole` is the area at height 1.
-
-        `steep`: the magnitudes of the terms of the slopes, if they may cancel.
-        """
+        """Add to some rows; `whole` is the area at height 1."""
         self.area[rows] += area
         self.moment[rows] += moment
         if not self.exact:  # the error of heights is relative to 1, however small they are
@@ -619,10 +557,6 @@ class _Sum:
             return
         self.area_slopes[rows] += area_slopes
         self.moment_slopes[rows] += moment_slopes
-        if not self.exact:
-            self.steep[rows] += (
-                greatest_of_rows(np.abs(area_slopes).sum(axis=2)) if steep is None else steep
-            )
 
     def add_layers(
         self, rows: Array, layers: _Layered, height: Array, slope: Array, sign: int
@@ -649,10 +583,7 @@ class _Sum:
             sign * (a1 + 2 * a2 * x)[:, :, None] * slope[:, None, :],
             sign * (b1 + x * (2 * b2 + 3 * b3 * x))[:, :, None] * slope[:, None, :],
             layers.whole,
-            None if self.exact else greatest_of_rows(
-                (np.abs(a1) + 2 * np.abs(a2 * x)) * np.abs(slope).sum(axis=1)[:, None]
-            ),
-        )  # fmt: skip
+        )
 
     def set_area_to_one(self) -> None:
         """Set the denominator to 1: the quotient is a sum."""
@@ -662,9 +593,7 @@ class _Sum:
             self.area_slopes = self.area_slopes * 0
 
     def result(self) -> _Sums:
-        return _Sums(
-            self.area, self.moment, self.size, self.area_slopes, self.moment_slopes, self.steep
-        )
+        return _Sums(self.area, self.moment, self.size, self.area_slopes, self.moment_slopes)
 
 
 class _Layered(NamedTuple):
