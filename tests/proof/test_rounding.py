@@ -195,7 +195,7 @@ def test_the_matrix_to_coefficients_is_off_by_less_than_a_margin(
 def test_a_value_beyond_the_range_by_rounding_alone_is_not_beyond() -> None:
     """Both strengths are 1e-9 and equal, or the second is larger: u = (3 a - b) / (a + b) <= 1."""
     draw = random.Random(1)
-    for _ in range(20):
+    for _ in range(6):
         a = [draw.random() for _ in range(2)]
         b = [1 - x + 1e-9 * draw.uniform(0.5, 1) for x in a]
         c = []
